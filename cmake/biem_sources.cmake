@@ -1,0 +1,51 @@
+# The one list of source files.  A test (tests/layering) holds it against the folder.
+set(BIEM_SOURCE_DIR ${CMAKE_CURRENT_LIST_DIR}/../src/USER-BIEM)
+
+# Core: namespace biem, no LAMMPS header.
+set(BIEM_CORE_SOURCES
+  biem_element_flat.cpp
+  biem_ewald_bspline.cpp
+  biem_ewald_fourier.cpp
+  biem_ewald_parameters.cpp
+  biem_ewald_real_space.cpp
+  biem_ewald_slab.cpp
+  biem_ewald_split.cpp
+  biem_membrane_bend.cpp
+  biem_membrane_skalak.cpp
+  biem_mesh_icosphere.cpp
+  biem_mesh_moments.cpp
+  biem_mesh_packing.cpp
+  biem_mesh_shape.cpp
+  biem_mesh_topology.cpp
+  biem_near_correction.cpp
+  biem_near_triangle.cpp
+  biem_operator_single_layer.cpp
+  biem_oracle_periodic.cpp
+  biem_periodic_ghosts.cpp
+  biem_stepper.cpp
+  biem_suspension.cpp
+)
+
+# Bridge: the only part of the package that knows both the core and LAMMPS.
+set(BIEM_BRIDGE_SOURCES
+  biem_lammps_bridge.cpp
+  biem_lammps_settings.cpp
+  biem_lammps_topology.cpp
+)
+
+# Styles: LAMMPS classes behind the commands of the input script.
+set(BIEM_STYLE_SOURCES
+  angle_biem_skalak.cpp
+  compute_biem_cell.cpp
+  create_cells.cpp
+  dihedral_biem_bend.cpp
+  fix_biem.cpp
+)
+
+# Entry points, one for each way to bring the styles into LAMMPS.
+set(BIEM_MAIN_SOURCES biem_main.cpp)
+set(BIEM_PLUGIN_SOURCES biemplugin.cpp)
+
+foreach(list CORE BRIDGE STYLE MAIN PLUGIN)
+  list(TRANSFORM BIEM_${list}_SOURCES PREPEND ${BIEM_SOURCE_DIR}/)
+endforeach()

@@ -1,0 +1,41 @@
+// Flat triangles with linear densities: the paper's element.
+// Far rule of degree 2: 1/4 of the area at the vertices, 3/4 at the centroid.
+#ifndef BIEM_ELEMENT_FLAT_H
+#define BIEM_ELEMENT_FLAT_H
+
+#include "biem_element.h"
+#include "biem_near_triangle.h"
+
+namespace biem {
+
+class FlatElements : public SurfaceElements {
+ public:
+  void set_geometry(PointsView nodes, const std::vector<Triangle> &triangles) override;
+  int n_elements() const override { return static_cast<int>(triangles_.size()); }
+  double area(int element) const override { return 0.5 * frames_[element].twice_area; }
+  double mean_edge(int element) const override { return mean_edges_[element]; }
+  void add_nodal_areas(Eigen::Ref<Eigen::VectorXd> areas) const override;
+  void add_volume_gradient(PointsRef gradient) const override;
+  double volume(int element, const Vec3 &origin) const override;
+  double nodal_fraction() const override { return 0.25; }
+  void compute_interior_points(PointsRef points) const override;
+  void compute_interior_strengths(PointsView density, PointsRef strengths) const override;
+  void add_mass_product(PointsView density, PointsRef result) const override;
+  double squared_distance(int element, const Vec3 &target) const override;
+  void prepare_near(PointsView density) override;
+  Vec3 compute_near_correction(int element, const Vec3 &target) const override;
+
+ private:
+  Vec3 centroid(int element) const;
+
+  std::vector<Triangle> triangles_;
+  std::vector<std::array<Vec3, 3>> corners_;
+  std::vector<TriangleFrame> frames_;
+  std::vector<double> mean_edges_;
+  std::vector<LinearDensity> densities_;               // of prepare_near, in the element's frame
+  std::vector<std::array<Vec3, 4>> rule_strengths_;    // vertices, centroid
+};
+
+}    // namespace biem
+
+#endif

@@ -1,0 +1,83 @@
+// Slab routing: see the header.
+#include "biem_ewald_slab.h"
+#include "biem_ewald_bspline.h"
+#include <algorithm>
+#include <cmath>
+
+namespace biem {
+
+SlabLayout make_slab_layout(MPI_Comm comm, int n_planes, int first, int count)
+{
+  int n_ranks;
+  MPI_Comm_size(comm, &n_ranks);
+  const int mine[2] = {first, count};
+  std::vector<int> all(2 * n_ranks);
+  MPI_Allgather(mine, 2, MPI_INT, all.data(), 2, MPI_INT, comm);
+  SlabLayout layout;
+  layout.first = first;
+  layout.count = count;
+  layout.owner.resize(n_planes);
+  for (int r = 0; r < n_ranks; r++)
+    std::fill_n(layout.owner.begin() + (all[2 * r + 1] > 0 ? all[2 * r] : 0), all[2 * r + 1], r);
+  return layout;
+}
+
+void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView fractional,
+                            int order)
+{
+  comm_ = comm;
+  int n_ranks;
+  MPI_Comm_size(comm, &n_ranks);
+  const int n_planes = static_cast<int>(layout.owner.size());
+  std::vector<std::vector<int>> destinations(n_ranks);
+  for (int i = 0; i < fractional.cols(); i++) {
+    const int first =
+        static_cast<int>(std::floor(fractional(0, i) * n_planes - 0.5 * order)) + 1;
+    std::array<int, kMaxBsplineOrder> seen{};
+    int n_seen = 0;
+    for (int j = 0; j < order; j++) {
+      const int rank = layout.owner[((first + j) % n_planes + n_planes) % n_planes];
+      if (std::find(seen.begin(), seen.begin() + n_seen, rank) != seen.begin() + n_seen) continue;
+      seen[n_seen++] = rank;
+      destinations[rank].push_back(i);
+    }
+  }
+  send_index_.clear();
+  send_counts_.assign(n_ranks, 0);
+  send_offsets_.assign(n_ranks, 0);
+  receive_counts_.assign(n_ranks, 0);
+  receive_offsets_.assign(n_ranks, 0);
+  for (int r = 0; r < n_ranks; r++) {
+    send_offsets_[r] = 3 * static_cast<int>(send_index_.size());
+    send_counts_[r] = 3 * static_cast<int>(destinations[r].size());
+    send_index_.insert(send_index_.end(), destinations[r].begin(), destinations[r].end());
+  }
+  MPI_Alltoall(send_counts_.data(), 1, MPI_INT, receive_counts_.data(), 1, MPI_INT, comm);
+  int total = 0;
+  for (int r = 0; r < n_ranks; r++) {
+    receive_offsets_[r] = total;
+    total += receive_counts_[r];
+  }
+  routed_.resize(3, total / 3);
+  send(fractional, routed_);
+}
+
+void SlabRouter::send(PointsView values, Points &routed) const
+{
+  Points buffer(3, send_index_.size());
+  for (size_t i = 0; i < send_index_.size(); i++) buffer.col(i) = values.col(send_index_[i]);
+  routed.resize(3, routed_.cols());
+  MPI_Alltoallv(buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, routed.data(),
+                receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE, comm_);
+}
+
+void SlabRouter::return_add(PointsView routed, PointsRef values) const
+{
+  const Points out = routed;    // contiguous for MPI
+  Points buffer(3, send_index_.size());
+  MPI_Alltoallv(out.data(), receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE,
+                buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, comm_);
+  for (size_t i = 0; i < send_index_.size(); i++) values.col(send_index_[i]) += buffer.col(i);
+}
+
+}    // namespace biem

@@ -1,0 +1,40 @@
+// Routes points to the ranks that own the grid planes under their windows, and values there and
+// back. Each rank sends only its own points; nothing is gathered. Knows no kernels.
+#ifndef BIEM_EWALD_SLAB_H
+#define BIEM_EWALD_SLAB_H
+
+#include "biem_types.h"
+#include <mpi.h>
+
+namespace biem {
+
+// Planes of the first grid dimension owned by each rank.
+struct SlabLayout {
+  std::vector<int> owner;    // plane -> rank
+  int first = 0, count = 0;  // planes of this rank
+};
+
+SlabLayout make_slab_layout(MPI_Comm comm, int n_planes, int first, int count);
+
+class SlabRouter {
+ public:
+  // fractional: 3 x n in [0,1), this rank's points; order: window width in planes.
+  void set_points(MPI_Comm comm, const SlabLayout &layout, PointsView fractional, int order);
+
+  // Points that touch this rank's planes, 3 x n_routed.
+  const Points &points() const { return routed_; }
+  // values: 3 x n of the owners -> 3 x n_routed.
+  void send(PointsView values, Points &routed) const;
+  // Adds 3 x n_routed partial results to the owners' 3 x n.
+  void return_add(PointsView routed, PointsRef values) const;
+
+ private:
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  std::vector<int> send_index_;    // point of each sent copy, grouped by rank
+  std::vector<int> send_counts_, send_offsets_, receive_counts_, receive_offsets_;    // in doubles
+  Points routed_;
+};
+
+}    // namespace biem
+
+#endif

@@ -1,0 +1,183 @@
+// Parsing of fix biem: see the header.
+#include "biem_lammps_settings.h"
+#include "biem_error.h"
+#include "error.h"
+#include "force.h"
+#include "group.h"
+#include "pointers.h"
+#include "update.h"
+#include "utils.h"
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace LAMMPS_NS {
+
+namespace {
+
+// Keywords that belong to the full boundary-integral equation but are not part of this version.
+const std::map<std::string, std::string> kRefused = {
+    {"viscosity/ratio", "cells have the viscosity of the suspending fluid (ratio 1)"},
+    {"rigid", "rigid particles are not available: make every surface a deformable cell"},
+    {"wall", "walls are not available: the box is periodic in x, y and z"},
+    {"probes", "use 'tracers' with 'run 0' for velocities at given points"},
+    {"ewald", "the periodic sum is computed by SPME; its parameters follow from 'accuracy'"}};
+
+// A cursor over the arguments that knows how to complain.
+class Arguments : protected Pointers {
+ public:
+  Arguments(LAMMPS *lmp, int narg, char **arg) : Pointers(lmp), narg_(narg), arg_(arg), next_(3) {}
+
+  bool is_done() const { return next_ >= narg_; }
+  std::string word(const std::string &keyword)
+  {
+    if (is_done())
+      error->all(FLERR, "Fix biem: keyword '" + keyword +
+                     "' ends too early: a value is missing (see the page of fix biem)");
+    return arg_[next_++];
+  }
+  double number(const std::string &keyword)
+  {
+    word(keyword);
+    return utils::numeric(FLERR, arg_[next_ - 1], false, lmp);
+  }
+  double positive(const std::string &keyword)
+  {
+    const double value = number(keyword);
+    if (!(value > 0.0) || !std::isfinite(value))
+      fail(keyword + " " + std::string(arg_[next_ - 1]) + " must be a positive number");
+    return value;
+  }
+  std::string group_name(const std::string &keyword)
+  {
+    const std::string name = word(keyword);
+    if (group->find(name.c_str()) < 0)
+      fail("group '" + name + "' after keyword '" + keyword +
+           "' does not exist: define it with the group command first");
+    return name;
+  }
+  void fail(const std::string &what) { error->all(FLERR, "Fix biem: " + what); }
+
+ private:
+  int narg_;
+  char **arg_;
+  int next_;
+};
+
+void parse_flow(Arguments &arguments, FixBiemSettings &s)
+{
+  const std::string kind = arguments.word("flow");
+  if (kind == "none") {
+    s.flow = FixBiemSettings::Flow::None;
+  } else if (kind == "mean") {
+    s.flow = FixBiemSettings::Flow::Mean;
+    for (int a = 0; a < 3; a++) s.background.mean[a] = arguments.number("flow mean");
+  } else if (kind == "shear") {
+    const std::string plane = arguments.word("flow shear");
+    if (plane != "xz")
+      arguments.fail("flow shear " + plane +
+                     ": the shear is u = (rate z, 0, 0), so only 'shear xz <rate>' is allowed");
+    s.flow = FixBiemSettings::Flow::Shear;
+    s.background.shear_rate = arguments.number("flow shear xz");
+  } else {
+    arguments.fail("unknown flow '" + kind + "': choose none, mean ux uy uz, or shear xz rate");
+  }
+}
+
+void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSettings &s)
+{
+  if (keyword == "viscosity") {
+    s.viscosity = arguments.positive(keyword);
+  } else if (keyword == "accuracy") {
+    s.accuracy = arguments.positive(keyword);
+  } else if (keyword == "flow") {
+    parse_flow(arguments, s);
+  } else if (keyword == "cutoff") {
+    s.cutoff = arguments.positive(keyword);
+  } else if (keyword == "cells") {
+    s.cells = arguments.group_name(keyword);
+  } else if (keyword == "tracers") {
+    s.tracers = arguments.group_name(keyword);
+  } else if (keyword == "stepper") {
+    s.stepper = biem::parse_stepper(arguments.word(keyword));
+  } else if (keyword == "traction") {
+    s.suspension.traction = biem::parse_traction(arguments.word(keyword));
+  } else if (kRefused.count(keyword)) {
+    arguments.fail("keyword '" + keyword + "' is not part of this version: " +
+                   kRefused.at(keyword));
+  } else {
+    arguments.fail("unknown keyword '" + keyword +
+                   "': allowed are viscosity, accuracy, flow, cells, tracers, stepper, traction, "
+                   "cutoff");
+  }
+}
+
+}    // namespace
+
+FixBiemSettings parse_fix_biem(LAMMPS *lmp, int narg, char **arg)
+{
+  FixBiemSettings s;
+  Arguments arguments(lmp, narg, arg);
+  std::set<std::string> given;
+  while (!arguments.is_done()) {
+    const std::string keyword = arguments.word("fix biem");
+    if (!given.insert(keyword).second)
+      arguments.fail("keyword '" + keyword + "' is given twice");
+    try {
+      parse_keyword(arguments, keyword, s);
+    } catch (const biem::Error &e) {
+      arguments.fail(e.what());
+    }
+  }
+  for (const char *needed : {"viscosity", "accuracy", "flow"})
+    if (!given.count(needed))
+      arguments.fail(std::string("keyword '") + needed +
+                     "' is missing: fix ID group biem viscosity mu accuracy tolerance flow ...");
+  s.suspension.viscosity = s.viscosity * viscosity_factor(lmp);
+  return s;
+}
+
+double viscosity_factor(LAMMPS *lmp)
+{
+  // Poise -> force * time / length^2 through LAMMPS' own pressure conversion nktv2p:
+  // 0.1 Pa s in units of (pressure unit) * (time unit), divided by nktv2p.
+  class Units : protected Pointers {
+   public:
+    explicit Units(LAMMPS *l) : Pointers(l) {}
+    double factor()
+    {
+      const std::string style = update->unit_style;
+      if (style == "real") return 0.1 / 101325.0 * 1e15 / force->nktv2p;    // atm, fs
+      if (style == "metal") return 0.1 / 1e5 * 1e12 / force->nktv2p;        // bar, ps
+      if (style == "electron")
+        error->all(FLERR, "Fix biem: units electron has no unit of viscosity; use lj, si, cgs, "
+                          "micro, nano, real or metal");
+      return 1.0;
+    }
+  };
+  return Units(lmp).factor();
+}
+
+std::string describe_units(LAMMPS *lmp)
+{
+  class Units : protected Pointers {
+   public:
+    explicit Units(LAMMPS *l) : Pointers(l) {}
+    std::string style() { return update->unit_style; }
+  };
+  static const std::map<std::string, std::string> text = {
+      {"lj", "dimensionless: lengths, times and viscosity as chosen by the input script, ES and ED "
+             "in viscosity * length / time, EB in viscosity * length^3 / time"},
+      {"si", "viscosity in Pa s, ES and ED in N/m, EB in J"},
+      {"cgs", "viscosity in poise, ES and ED in dyn/cm, EB in erg"},
+      {"micro", "viscosity in pg/(um us) = mPa s, ES and ED in pg/us^2 = mN/m, EB in pg um^2/us^2 "
+                "= 1e-15 J"},
+      {"nano", "viscosity in ag/(nm ns) = mPa s, ES and ED in ag/ns^2 = mN/m, EB in ag nm^2/ns^2 = "
+               "1e-21 J"},
+      {"real", "viscosity in poise, ES and ED in kcal/(mol Angstrom^2), EB in kcal/mol"},
+      {"metal", "viscosity in poise, ES and ED in eV/Angstrom^2, EB in eV"}};
+  const std::string style = Units(lmp).style();
+  return "units " + style + ": " + (text.count(style) ? text.at(style) : "as documented by LAMMPS");
+}
+
+}    // namespace LAMMPS_NS

@@ -1,0 +1,39 @@
+// Arguments of fix biem -> settings. Parses and refuses; keeps no state, computes nothing.
+#ifndef BIEM_LAMMPS_SETTINGS_H
+#define BIEM_LAMMPS_SETTINGS_H
+
+#include "biem_flow.h"
+#include "biem_stepper.h"
+#include "biem_suspension.h"
+#include "lmptype.h"
+#include <string>
+
+namespace LAMMPS_NS {
+
+class LAMMPS;
+
+struct FixBiemSettings {
+  enum class Flow { None, Mean, Shear };
+
+  biem::SuspensionSettings suspension;    // viscosity already in force * time / length^2
+  double viscosity = 0.0;                 // as given, in the unit of the unit style
+  double accuracy = 0.0;
+  double cutoff = 0.0;    // 0: chosen from the accuracy
+  Flow flow = Flow::None;
+  biem::BackgroundFlow background;
+  biem::Stepper stepper = biem::Stepper::AdamsBashforth2;
+  std::string cells, tracers;    // group names; empty: all atoms of the fix / none
+};
+
+// Stops through error->all() with what is wrong and what is allowed.
+FixBiemSettings parse_fix_biem(LAMMPS *lmp, int narg, char **arg);
+
+// Factor from the unit style's dynamic viscosity to force * time / length^2.
+double viscosity_factor(LAMMPS *lmp);
+
+// One line that says in which units moduli and viscosity are.
+std::string describe_units(LAMMPS *lmp);
+
+}    // namespace LAMMPS_NS
+
+#endif

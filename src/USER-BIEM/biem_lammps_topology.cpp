@@ -1,0 +1,279 @@
+// Distributed survey of the meshes: see the header.
+#include "biem_lammps_topology.h"
+#include "atom.h"
+#include "biem_types.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "pointers.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <unordered_map>
+
+namespace LAMMPS_NS {
+
+namespace {
+
+// What the home rank of an atom knows.
+struct AtomRecord {
+  int64_t tag, molecule;
+  int mask, is_vertex;
+  double x[3];    // unwrapped
+};
+
+struct DirectedEdge {
+  int64_t low, high, molecule;
+  int direction;    // +1: low -> high in a triangle's order, -1: high -> low
+};
+
+constexpr int64_t kNone = INT64_MAX;
+
+// outgoing[rank] -> what the other ranks sent here, grouped by sender; counts per sender.
+template <class T>
+std::vector<T> exchange(MPI_Comm world, const std::vector<std::vector<T>> &outgoing,
+                        std::vector<int> &counts)
+{
+  const int n_ranks = static_cast<int>(outgoing.size());
+  std::vector<int> send_bytes(n_ranks), send_offset(n_ranks, 0), bytes(n_ranks), offset(n_ranks, 0);
+  std::vector<T> sent;
+  for (int r = 0; r < n_ranks; r++) {
+    send_bytes[r] = static_cast<int>(outgoing[r].size() * sizeof(T));
+    sent.insert(sent.end(), outgoing[r].begin(), outgoing[r].end());
+  }
+  MPI_Alltoall(send_bytes.data(), 1, MPI_INT, bytes.data(), 1, MPI_INT, world);
+  for (int r = 1; r < n_ranks; r++) {
+    send_offset[r] = send_offset[r - 1] + send_bytes[r - 1];
+    offset[r] = offset[r - 1] + bytes[r - 1];
+  }
+  std::vector<T> received((offset.back() + bytes.back()) / sizeof(T));
+  MPI_Alltoallv(sent.data(), send_bytes.data(), send_offset.data(), MPI_BYTE, received.data(),
+                bytes.data(), offset.data(), MPI_BYTE, world);
+  counts.resize(n_ranks);
+  for (int r = 0; r < n_ranks; r++) counts[r] = bytes[r] / static_cast<int>(sizeof(T));
+  return received;
+}
+
+class Surveyor : protected Pointers {
+ public:
+  Surveyor(LAMMPS *lmp, int cells_bit, int tracers_bit) :
+      Pointers(lmp), cells_bit_(cells_bit), tracers_bit_(tracers_bit), n_ranks_(comm->nprocs)
+  {
+  }
+
+  MeshSurvey run()
+  {
+    register_atoms();
+    check_groups();
+    const std::vector<AtomRecord> corners = look_up_corners();
+    measure(corners);
+    check_closed(corners);
+    check_vertices();
+    check_volumes();
+    return survey_;
+  }
+
+ private:
+  int home(int64_t tag) const { return static_cast<int>(tag % n_ranks_); }
+
+  // The smallest value over all ranks; kNone where no rank has one.
+  int64_t smallest(int64_t value) const
+  {
+    int64_t result;
+    MPI_Allreduce(&value, &result, 1, MPI_INT64_T, MPI_MIN, world);
+    return result;
+  }
+
+  void register_atoms()
+  {
+    std::vector<std::vector<AtomRecord>> outgoing(n_ranks_);
+    for (int i = 0; i < atom->nlocal; i++) {
+      AtomRecord record{atom->tag[i], atom->molecule[i], atom->mask[i], 0, {0.0, 0.0, 0.0}};
+      domain->unmap(atom->x[i], atom->image[i], record.x);
+      outgoing[home(record.tag)].push_back(record);
+    }
+    std::vector<int> counts;
+    for (const AtomRecord &record : exchange(world, outgoing, counts))
+      records_[record.tag] = record;
+  }
+
+  void check_groups()
+  {
+    int64_t none = kNone, both = kNone, molecule = kNone;
+    for (const auto &entry : records_) {
+      const AtomRecord &r = entry.second;
+      const bool cell = r.mask & cells_bit_, tracer = r.mask & tracers_bit_;
+      if (!cell && !tracer) none = std::min(none, r.tag);
+      if (cell && tracer) both = std::min(both, r.tag);
+      if (cell && r.molecule <= 0) molecule = std::min(molecule, r.tag);
+      if (cell) survey_.n_cells = std::max(survey_.n_cells, static_cast<int>(r.molecule));
+    }
+    fail_if(smallest(none), "atom", "is neither in the cells nor in the tracers of fix biem: every "
+                                    "atom must be in exactly one of these groups");
+    fail_if(smallest(both), "atom", "is in the cells and in the tracers of fix biem: the groups "
+                                    "must not overlap");
+    fail_if(smallest(molecule), "atom", "is a mesh node without a molecule id: number the cells "
+                                        "1, 2, ... with the molecule id");
+    int largest;
+    MPI_Allreduce(&survey_.n_cells, &largest, 1, MPI_INT, MPI_MAX, world);
+    survey_.n_cells = largest;
+    survey_.volumes.assign(largest, 0.0);
+  }
+
+  void fail_if(int64_t who, const std::string &kind, const std::string &what)
+  {
+    if (who != kNone)
+      error->all(FLERR, "Fix biem: " + kind + " " + std::to_string(who) + " " + what);
+  }
+
+  // Three records for each angle stored on this rank, in the angle's order.
+  std::vector<AtomRecord> look_up_corners()
+  {
+    std::vector<std::vector<int64_t>> queries(n_ranks_);
+    std::vector<int64_t> tags;
+    for (int i = 0; i < atom->nlocal; i++)
+      for (int a = 0; a < atom->num_angle[i]; a++)
+        for (int64_t tag : {static_cast<int64_t>(atom->angle_atom1[i][a]),
+                            static_cast<int64_t>(atom->angle_atom2[i][a]),
+                            static_cast<int64_t>(atom->angle_atom3[i][a])}) {
+          tags.push_back(tag);
+          queries[home(tag)].push_back(tag);
+        }
+    std::vector<int> counts;
+    const std::vector<int64_t> asked = exchange(world, queries, counts);
+    std::vector<std::vector<AtomRecord>> answers(n_ranks_);
+    int64_t missing = kNone;
+    size_t next = 0;
+    for (int r = 0; r < n_ranks_; r++)
+      for (int k = 0; k < counts[r]; k++, next++) {
+        auto found = records_.find(asked[next]);
+        if (found == records_.end()) {
+          missing = std::min(missing, asked[next]);
+          answers[r].push_back(AtomRecord{asked[next], 0, 0, 0, {0.0, 0.0, 0.0}});
+        } else {
+          found->second.is_vertex = 1;
+          answers[r].push_back(found->second);
+        }
+      }
+    fail_if(smallest(missing), "atom", "is named by an angle but does not exist: was it deleted?");
+    const std::vector<AtomRecord> answered = exchange(world, answers, counts);
+    std::vector<size_t> position(n_ranks_, 0);
+    for (int r = 1; r < n_ranks_; r++) position[r] = position[r - 1] + counts[r - 1];
+    std::vector<AtomRecord> corners;
+    for (int64_t tag : tags) corners.push_back(answered[position[home(tag)]++]);
+    return corners;
+  }
+
+  void measure(const std::vector<AtomRecord> &corners)
+  {
+    int64_t mixed = kNone, tracer = kNone;
+    double longest[2] = {0.0, 0.0};
+    std::vector<double> volumes(survey_.n_cells, 0.0);
+    for (size_t t = 0; t < corners.size(); t += 3) {
+      biem::Vec3 x[3];
+      for (int v = 0; v < 3; v++) {
+        const AtomRecord &r = corners[t + v];
+        x[v] = biem::Vec3(r.x[0], r.x[1], r.x[2]);
+        if (!(r.mask & cells_bit_)) tracer = std::min(tracer, r.tag);
+        if (r.molecule != corners[t].molecule) mixed = std::min(mixed, r.tag);
+      }
+      double sum = 0.0;
+      for (int v = 0; v < 3; v++) {
+        const double edge = (x[(v + 1) % 3] - x[v]).norm();
+        longest[0] = std::max(longest[0], edge);
+        sum += edge;
+      }
+      longest[1] = std::max(longest[1], sum / 3.0);
+      const int64_t molecule = corners[t].molecule;
+      if (molecule >= 1 && molecule <= survey_.n_cells)
+        volumes[molecule - 1] += x[0].dot(x[1].cross(x[2])) / 6.0;
+    }
+    fail_if(smallest(tracer), "atom", "is a vertex of a triangle (angle) but not in the cells of "
+                                      "fix biem: put all nodes of a surface into that group");
+    fail_if(smallest(mixed), "atom", "has another molecule id than a neighbor in its triangle: all "
+                                     "nodes of one surface must have the same molecule id");
+    double all[2];
+    MPI_Allreduce(longest, all, 2, MPI_DOUBLE, MPI_MAX, world);
+    survey_.longest_edge = all[0];
+    survey_.longest_mean_edge = all[1];
+    MPI_Allreduce(volumes.data(), survey_.volumes.data(), survey_.n_cells, MPI_DOUBLE, MPI_SUM,
+                  world);
+    bigint n = static_cast<bigint>(corners.size() / 3);
+    MPI_Allreduce(&n, &survey_.n_triangles, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  }
+
+  // Closed and oriented: every edge once in each direction.
+  void check_closed(const std::vector<AtomRecord> &corners)
+  {
+    std::vector<std::vector<DirectedEdge>> outgoing(n_ranks_);
+    for (size_t t = 0; t < corners.size(); t += 3)
+      for (int v = 0; v < 3; v++) {
+        const int64_t a = corners[t + v].tag, b = corners[t + (v + 1) % 3].tag;
+        const DirectedEdge edge{std::min(a, b), std::max(a, b), corners[t].molecule,
+                                a < b ? 1 : -1};
+        outgoing[home(edge.low)].push_back(edge);
+      }
+    std::vector<int> counts;
+    std::map<std::pair<int64_t, int64_t>, std::vector<DirectedEdge>> edges;
+    for (const DirectedEdge &edge : exchange(world, outgoing, counts))
+      edges[{edge.low, edge.high}].push_back(edge);
+    int64_t open = kNone, crowded = kNone, turned = kNone;
+    for (const auto &entry : edges) {
+      const std::vector<DirectedEdge> &e = entry.second;
+      if (e.size() == 1) open = std::min(open, e[0].molecule);
+      if (e.size() > 2) crowded = std::min(crowded, e[0].molecule);
+      if (e.size() == 2 && e[0].direction == e[1].direction)
+        turned = std::min(turned, e[0].molecule);
+    }
+    fail_if(smallest(open), "the surface of molecule",
+            "is open: one of its edges belongs to a single triangle, but a cell must be closed; "
+            "check the angles of the data file");
+    fail_if(smallest(crowded), "the surface of molecule",
+            "has an edge with more than two triangles: check the angles of the data file, and that "
+            "no triangle is listed twice");
+    fail_if(smallest(turned), "the surface of molecule",
+            "is not consistently oriented: two neighboring triangles run through their common edge "
+            "in the same direction; list the nodes of each angle counter-clockwise from outside");
+  }
+
+  void check_vertices()
+  {
+    int64_t loose = kNone, tracer = kNone;
+    bigint n = 0;
+    for (const auto &entry : records_) {
+      const AtomRecord &r = entry.second;
+      if ((r.mask & cells_bit_) && !r.is_vertex) loose = std::min(loose, r.tag);
+      if ((r.mask & tracers_bit_) && r.is_vertex) tracer = std::min(tracer, r.tag);
+      n += r.is_vertex;
+    }
+    fail_if(smallest(loose), "atom",
+            "is in the cells of fix biem but in no triangle (angle): give it to a group and name "
+            "that group with the keyword 'tracers', or delete it");
+    fail_if(smallest(tracer), "atom", "is a tracer of fix biem but a vertex of a triangle");
+    MPI_Allreduce(&n, &survey_.n_nodes, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  }
+
+  void check_volumes()
+  {
+    for (int c = 0; c < survey_.n_cells; c++)
+      if (survey_.volumes[c] < 0.0)
+        error->all(FLERR, "Fix biem: the surface of molecule " + std::to_string(c + 1) +
+                       " is turned inside out (volume " + std::to_string(survey_.volumes[c]) +
+                       "): list the nodes of each angle counter-clockwise from outside");
+  }
+
+  int cells_bit_, tracers_bit_, n_ranks_;
+  std::unordered_map<int64_t, AtomRecord> records_;
+  MeshSurvey survey_;
+};
+
+}    // namespace
+
+MeshSurvey survey_meshes(LAMMPS *lmp, int cells_bit, int tracers_bit)
+{
+  return Surveyor(lmp, cells_bit, tracers_bit).run();
+}
+
+}    // namespace LAMMPS_NS

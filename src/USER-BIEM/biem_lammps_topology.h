@@ -1,0 +1,29 @@
+// Survey of the meshes before a run, on atoms as LAMMPS distributes them: is every surface closed
+// and oriented, how long are its edges, what is its volume. Works without ghost atoms and without
+// gathering: each atom has a home rank (tag modulo ranks) where its record can be looked up.
+#ifndef BIEM_LAMMPS_TOPOLOGY_H
+#define BIEM_LAMMPS_TOPOLOGY_H
+
+#include "lmptype.h"
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class LAMMPS;
+
+struct MeshSurvey {
+  int n_cells = 0;                  // largest molecule id of a surface
+  bigint n_nodes = 0;               // atoms on surfaces
+  bigint n_triangles = 0;
+  double longest_edge = 0.0;
+  double longest_mean_edge = 0.0;   // largest mean edge of one triangle
+  std::vector<double> volumes;      // by molecule id - 1, positive
+};
+
+// Atoms in cells_bit must all be vertices of triangles (angles); atoms in tracers_bit of none.
+// Stops through error->all() naming molecule or atom. Collective.
+MeshSurvey survey_meshes(LAMMPS *lmp, int cells_bit, int tracers_bit);
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,22 @@
+// Steppers: see the header.
+#include "biem_stepper.h"
+#include "biem_error.h"
+
+namespace biem {
+
+Stepper parse_stepper(const std::string &name)
+{
+  if (name == "euler") return Stepper::Euler;
+  if (name == "ab2") return Stepper::AdamsBashforth2;
+  throw Error("unknown stepper '" + name + "': choose ab2 or euler");
+}
+
+Vec3 compute_displacement(Stepper stepper, const Vec3 &velocity, const Vec3 &previous_velocity,
+                          double dt, double previous_dt)
+{
+  if (stepper == Stepper::Euler || previous_dt <= 0.0) return dt * velocity;
+  const double ratio = dt / previous_dt;
+  return dt * (velocity + 0.5 * ratio * (velocity - previous_velocity));
+}
+
+}    // namespace biem

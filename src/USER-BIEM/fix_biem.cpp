@@ -1,0 +1,503 @@
+// fix biem: parses, calls the core, publishes. Physics and numerics are in the core.
+#include "fix_biem.h"
+#include "atom.h"
+#include "biem_lammps_bridge.h"
+#include "biem_lammps_compat.h"
+#include "biem_lammps_settings.h"
+#include "biem_lammps_topology.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "group.h"
+#include "irregular.h"
+#include "memory.h"
+#include "modify.h"
+#include "neighbor.h"
+#include "update.h"
+#include "utils.h"
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+namespace {
+
+// Columns of the per-atom array; the first kPublished are visible to the input script.
+enum { kVelocity = 0, kTraction = 3, kArea = 6, kPublished = 7, kPrevious = 7, kPreviousDt = 10 };
+constexpr int kColumns = 11;
+
+// Edges may grow to this multiple of the longest edge at the start of a run.
+constexpr double kEdgeGrowth = 1.6;
+
+enum { kPower, kVolumeError, kRmsVelocity, kMaxVelocity, kStrain, kFlips, kRealTime, kNearTime,
+       kFourierTime, kExpectedError, kVectorSize };
+
+}    // namespace
+
+struct FixBiem::Impl {
+  FixBiemSettings settings;
+  MeshSurvey survey;
+  LammpsExchange exchange;
+  std::unique_ptr<LammpsScene> scene;
+  std::unique_ptr<biem::Suspension> suspension;
+  biem::EwaldScene ewald_scene;
+  biem::Evaluation evaluation;
+  biem::CellVolumes volumes;
+  NeighList *list = nullptr;
+  int cells_bit = 0, tracers_bit = 0;
+  double list_cutoff = 0.0;
+  double own_comm_cutoff = -1.0;    // what this fix has set itself
+  // unflipped tilt = base_tilt + rate Lz (step - base_step) base_dt
+  double base_tilt = 0.0, base_dt = 0.0;
+  bigint base_step = -1;    // -1: not started
+  double strain = 0.0;
+  bigint n_flips = 0;
+  double vector[kVectorSize] = {};
+
+  Impl(LAMMPS *lmp, Fix *fix, FixBiemSettings s) : settings(std::move(s)), exchange(lmp, fix) {}
+  bool is_sheared() const { return settings.flow == FixBiemSettings::Flow::Shear; }
+};
+
+FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array(nullptr)
+{
+  impl = new Impl(lmp, this, parse_fix_biem(lmp, narg, arg));
+  if (!atom->molecule_flag)
+    error->all(FLERR, "Fix biem: atoms have no molecule ids, which number the cells; use "
+                      "atom_style molecular");
+  if (atom->tag_enable == 0 || atom->map_style == 0)
+    error->all(FLERR, "Fix biem: needs atom ids and an atom map; add 'atom_modify map yes' before "
+                      "the box is created");
+  if (impl->is_sheared()) {
+    if (!domain->triclinic)
+      error->all(FLERR, "Fix biem: flow shear needs a triclinic box; create it as a prism (region "
+                        "... prism) or use 'change_box all triclinic'");
+    box_change |= BOX_CHANGE_XZ;
+    no_change_box = 1;
+    time_depend = 1;
+    force_reneighbor = 1;
+    next_reneighbor = -1;
+  }
+  time_integrate = 1;
+  scalar_flag = vector_flag = 1;
+  size_vector = kVectorSize;
+  global_freq = 1;
+  extscalar = extvector = 0;
+  peratom_flag = 1;
+  size_peratom_cols = kPublished;
+  peratom_freq = 1;
+  restart_global = restart_peratom = 1;
+  create_attribute = 1;
+  comm_forward = comm_reverse = 3;
+  dynamic_group_allow = 0;
+  FixBiem::grow_arrays(atom->nmax);
+  atom->add_callback(Atom::GROW);
+  atom->add_callback(Atom::RESTART);
+  for (int i = 0; i < atom->nlocal; i++) FixBiem::set_arrays(i);
+}
+
+FixBiem::~FixBiem()
+{
+  if (modify) {
+    atom->delete_callback(id, Atom::GROW);
+    atom->delete_callback(id, Atom::RESTART);
+  }
+  memory->destroy(array);
+  delete impl;
+}
+
+int FixBiem::setmask()
+{
+  int mask = INITIAL_INTEGRATE | POST_FORCE;
+  if (impl->is_sheared()) mask |= PRE_EXCHANGE;
+  return mask;
+}
+
+void FixBiem::check_script()
+{
+  if (!force->newton_bond)
+    error->all(FLERR, "Fix biem: 'newton on' is required, so that each triangle is on one rank");
+  if (domain->dimension != 3 || !domain->xperiodic || !domain->yperiodic || !domain->zperiodic)
+    error->all(FLERR, "Fix biem: the box must be three-dimensional and periodic: boundary p p p");
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix biem: run_style respa is not supported; use run_style verlet");
+  if (neighbor->exclude)
+    error->all(FLERR, "Fix biem: 'neigh_modify exclude' would hide near pairs of nodes; remove it");
+  if (atom->nbonds > 0)
+    error->all(FLERR, "Fix biem: the system has bonds, which take pairs out of the neighbor list; "
+                      "meshes need angles and dihedrals only");
+  if (!neighbor->dist_check)
+    error->all(FLERR, "Fix biem: 'neigh_modify check yes' is required, so that neighbor lists are "
+                      "renewed when the box shears");
+  bool is_later = false;
+  for (int i = 0; i < modify->nfix; i++) {
+    const Fix *other = modify->fix[i];
+    if (other == this) {
+      is_later = true;
+      continue;
+    }
+    if (strcmp(other->style, style) == 0)
+      error->all(FLERR, std::string("Fix biem: only one fix of this kind can be defined, but there "
+                                    "are '") + id + "' and '" + other->id + "'");
+    if (other->time_integrate)
+      error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
+                     ") also moves atoms; remove it, the Stokes flow has no inertia");
+    if (other->box_change)
+      error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
+                     ") changes the box; fix biem owns the tilt of the sheared box itself");
+    if (is_later && (modify->fmask[i] & POST_FORCE))
+      error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
+                     ") changes forces after they have been turned into velocities; define it "
+                     "before fix biem");
+  }
+}
+
+void FixBiem::check_cutoffs(double needed)
+{
+  const bool is_own = comm->cutghostuser == impl->own_comm_cutoff;
+  if (comm->cutghostuser > 0.0 && !is_own && comm->cutghostuser < needed)
+    error->all(FLERR, "Fix biem: communication cutoff " + std::to_string(comm->cutghostuser) +
+                   " is too small, " + std::to_string(needed) +
+                   " is needed (real-space cutoff, edges and skin); remove 'comm_modify cutoff' "
+                   "so that fix biem sets it, or give at least this value");
+  if (comm->cutghostuser < needed || is_own) comm->cutghostuser = impl->own_comm_cutoff = needed;
+}
+
+void FixBiem::init()
+{
+  check_script();
+  const FixBiemSettings &s = impl->settings;
+  auto bit = [&](const std::string &name) { return group->bitmask[group->find(name.c_str())]; };
+  impl->tracers_bit = s.tracers.empty() ? 0 : bit(s.tracers);
+  impl->cells_bit = s.cells.empty() ? 0 : bit(s.cells);
+  if (s.cells.empty()) {    // all atoms of the fix that are not tracers
+    const std::string name = std::string(id) + "_cells";
+    const int old = group->find(name.c_str());
+    if (old < 0) {
+      std::string command = name + " subtract " + group->names[igroup];
+      if (s.tracers.empty())
+        command = name + " union " + group->names[igroup];
+      else
+        command += " " + s.tracers;
+      group->assign(command);
+    }
+    impl->cells_bit = bit(name);
+  }
+  prepare_scene();
+  BiemCompat::request_full_list(neighbor, this, instance_me, impl->list_cutoff);
+}
+
+void FixBiem::prepare_scene()
+{
+  Impl &m = *impl;
+  m.survey = survey_meshes(lmp, m.cells_bit, m.tracers_bit);
+  const MeshSurvey &survey = m.survey;
+  const double shortest =
+      std::min({domain->xprd, domain->yprd, domain->zprd});
+  if (survey.longest_edge > 0.5 * shortest)
+    error->all(FLERR, "Fix biem: the longest mesh edge is " + std::to_string(survey.longest_edge) +
+                   ", more than half of the shortest box length " + std::to_string(shortest) +
+                   ": refine the mesh or enlarge the box; if the mesh is fine, the image flags of "
+                   "the nodes of one cell do not belong together");
+  if (m.volumes.reference.empty()) {
+    m.volumes.reference = survey.volumes;
+  } else if (static_cast<int>(m.volumes.reference.size()) != survey.n_cells) {
+    error->all(FLERR, "Fix biem: the number of cells has changed from " +
+                   std::to_string(m.volumes.reference.size()) + " to " +
+                   std::to_string(survey.n_cells) + " since the fix was defined; define it anew");
+  }
+  m.volumes.current.resize(survey.n_cells);
+  m.volumes.relaxation_rate = 0.1 / update->dt;
+
+  biem::EwaldScene &scene = m.ewald_scene;
+  scene.cell = get_cell(lmp);
+  scene.max_tilt = impl->is_sheared() ? 0.5 * domain->xprd : std::fabs(domain->xz);
+  scene.n_sources = static_cast<double>(survey.n_nodes + survey.n_triangles);
+  scene.n_targets = static_cast<double>(atom->natoms);
+  scene.body_sources = survey.n_cells > 0 ? scene.n_sources / survey.n_cells : 0.0;
+  double volume = 0.0;
+  for (double v : survey.volumes) volume += v / survey.n_cells;
+  scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
+  scene.tolerance = m.settings.accuracy;
+  scene.min_cutoff = scene.max_cutoff = m.settings.cutoff;
+  m.suspension = guarded(lmp, "Fix biem", [&] {
+    return std::make_unique<biem::Suspension>(world, biem::choose_ewald_parameters(scene),
+                                              m.settings.suspension);
+  });
+  const double edge = kEdgeGrowth * survey.longest_edge;
+  m.list_cutoff = edge + kEdgeGrowth * biem::kNearFactor * survey.longest_mean_edge;
+  const double cutoff = m.suspension->parameters().cutoff;
+  check_cutoffs(std::max(m.list_cutoff, cutoff + edge) + neighbor->skin);
+  m.scene = std::make_unique<LammpsScene>(lmp, m.cells_bit, m.list_cutoff);
+  rebase_tilt();
+  report();
+}
+
+void FixBiem::report()
+{
+  if (comm->me != 0) return;
+  const Impl &m = *impl;
+  const biem::EwaldParameters &p = m.suspension->parameters();
+  const MeshSurvey &s = m.survey;
+  const double nodes = s.n_cells > 0 ? static_cast<double>(s.n_nodes) / s.n_cells : 0.0;
+  std::string text = fmt::format(
+      "Fix biem: {} cells, {} nodes, {} triangles, {} tracers; viscosity ratio 1: one single-layer "
+      "evaluation per step\n", s.n_cells, s.n_nodes, s.n_triangles, atom->natoms - s.n_nodes);
+  text += "  " + describe_units(lmp) + "\n";
+  text += fmt::format("  periodic sum (SPME): requested error {:.2g}, expected {:.2g}; cutoff "
+                      "{:.4g}, splitting {:.4g}, grid {} x {} x {}, B-spline order {}\n",
+                      p.tolerance, p.expected_error, p.cutoff, p.splitting, p.grid[0], p.grid[1],
+                      p.grid[2], p.order);
+  if (nodes > 0)
+    text += fmt::format("  surfaces: {:.0f} nodes a cell, longest edge {:.4g}; expected error of a "
+                        "smooth traction on flat triangles {:.2g} %\n",
+                        nodes, s.longest_edge, 0.55 * 642.0 / nodes);
+  text += fmt::format("  communication cutoff {:.4g}, near list cutoff {:.4g}\n",
+                      comm->cutghostuser, m.list_cutoff);
+  utils::logmesg(lmp, text);
+}
+
+void FixBiem::init_list(int, NeighList *list) { impl->list = list; }
+
+double FixBiem::unflipped_tilt() const
+{
+  return impl->base_tilt + impl->settings.background.shear_rate * domain->zprd *
+      static_cast<double>(update->ntimestep - impl->base_step) * impl->base_dt;
+}
+
+// Restarts the count of the tilt where the timestep or the box has been changed from outside.
+void FixBiem::rebase_tilt()
+{
+  if (!impl->is_sheared()) return;
+  const bool is_started = impl->base_step >= 0;
+  const double tilt = is_started ? unflipped_tilt() : domain->xz;
+  const double offset = (tilt - domain->xz) / domain->xprd;
+  const bool is_same_box = std::fabs(offset - std::round(offset)) < 1e-9;
+  if (is_started && is_same_box && impl->base_dt == update->dt) return;
+  if (is_started)
+    impl->strain += impl->settings.background.shear_rate *
+        static_cast<double>(update->ntimestep - impl->base_step) * impl->base_dt;
+  impl->base_tilt = is_same_box ? tilt : domain->xz;
+  impl->base_step = update->ntimestep;
+  impl->base_dt = update->dt;
+}
+
+void FixBiem::reset_dt()
+{
+  rebase_tilt();
+  impl->volumes.relaxation_rate = 0.1 / update->dt;
+}
+
+void FixBiem::setup(int)
+{
+  guarded(lmp, "Fix biem", [&] { impl->scene->refresh(impl->list); });
+  evaluate();
+}
+
+void FixBiem::initial_integrate(int)
+{
+  const double dt = update->dt;
+  double **x = atom->x;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    double *a = array[i];
+    Eigen::Map<biem::Vec3> position(x[i]), velocity(a + kVelocity), previous(a + kPrevious);
+    const biem::Vec3 relative = biem::compute_displacement(impl->settings.stepper, velocity,
+                                                           previous, dt, a[kPreviousDt]);
+    position += impl->settings.background.displacement(position, relative, dt);
+    previous = velocity;
+    a[kPreviousDt] = dt;
+  }
+  if (!impl->is_sheared()) return;
+  // The box of the new time before ghosts move and forces are computed.
+  const double length = domain->xprd, tilt = unflipped_tilt();
+  domain->xz = tilt - length * std::round((tilt - domain->xz) / length);
+  domain->set_global_box();
+  domain->set_local_box();
+  if (std::fabs(domain->xz) > 0.5 * length) next_reneighbor = update->ntimestep;
+}
+
+// Flips the box when its tilt has passed one half; the lattice stays the same.
+void FixBiem::pre_exchange()
+{
+  const double length = domain->xprd;
+  if (std::fabs(domain->xz) <= 0.5 * length) return;
+  const int n = domain->xz > 0.0 ? -1 : 1;
+  domain->xz += n * length;
+  domain->set_global_box();
+  domain->set_local_box();
+  domain->image_flip(0, n, 0);
+  for (int i = 0; i < atom->nlocal; i++) domain->remap(atom->x[i], atom->image[i]);
+  // Atoms move by up to half a box, further than comm->exchange() reaches.
+  domain->x2lamda(atom->nlocal);
+  Irregular irregular(lmp);
+  irregular.migrate_atoms();
+  domain->lamda2x(atom->nlocal);
+  impl->n_flips++;
+}
+
+void FixBiem::post_force(int)
+{
+  if (neighbor->ago == 0)
+    guarded(lmp, "Fix biem", [&] { impl->scene->refresh(impl->list); });
+  evaluate();
+}
+
+void FixBiem::check_forces()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *f = atom->f[i], *x = atom->x[i];
+    if (!std::isfinite(f[0] + f[1] + f[2] + x[0] + x[1] + x[2]))
+      error->one(FLERR, "Fix biem: force or position of atom " + std::to_string(atom->tag[i]) +
+                     " (molecule " + std::to_string(atom->molecule[i]) +
+                     ") is not a number at step " + std::to_string(update->ntimestep) +
+                     ": the membrane has become unstable or folded; use a smaller timestep");
+    if ((atom->mask[i] & impl->tracers_bit) && (f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0))
+      error->one(FLERR, "Fix biem: a force acts on tracer " + std::to_string(atom->tag[i]) +
+                     ", but tracers only follow the flow; take it out of the group of the fix or "
+                     "pair style that causes the force");
+  }
+}
+
+void FixBiem::evaluate()
+{
+  check_forces();
+  Impl &m = *impl;
+  m.suspension->set_cell(get_cell(lmp), get_origin(lmp));
+  const Eigen::Map<const biem::Points> forces(atom->f[0], 3, atom->nlocal);
+  m.evaluation = guarded(lmp, "Fix biem: step " + std::to_string(update->ntimestep), [&] {
+    return m.suspension->evaluate(m.scene->get_configuration(), forces, m.volumes, m.exchange);
+  });
+  publish();
+}
+
+void FixBiem::publish()
+{
+  Impl &m = *impl;
+  const biem::Evaluation &e = m.evaluation;
+  double sums[2] = {0.0, 0.0}, largest = 0.0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    double *a = array[i];
+    Eigen::Map<biem::Vec3> velocity(a + kVelocity), traction(a + kTraction), total(atom->v[i]);
+    const Eigen::Map<biem::Vec3> position(atom->x[i]), force(atom->f[i]);
+    velocity = e.velocity.col(i);
+    traction = e.traction.col(i);
+    a[kArea] = e.areas[i];
+    total = velocity + m.settings.background.velocity(position);
+    sums[0] += force.dot(velocity);
+    sums[1] += velocity.squaredNorm();
+    largest = std::max(largest, velocity.norm());
+  }
+  m.exchange.sum(sums, 2);
+  MPI_Allreduce(&largest, &m.vector[kMaxVelocity], 1, MPI_DOUBLE, MPI_MAX, world);
+  if (!std::isfinite(sums[1]))
+    error->all(FLERR, "Fix biem: a velocity is not a number at step " +
+                   std::to_string(update->ntimestep) + ": use a smaller timestep");
+  m.vector[kPower] = sums[0];
+  m.vector[kRmsVelocity] =
+      atom->natoms > 0 ? std::sqrt(sums[1] / static_cast<double>(atom->natoms)) : 0.0;
+  m.vector[kVolumeError] = 0.0;
+  for (size_t c = 0; c < m.volumes.reference.size(); c++)
+    if (m.volumes.reference[c] > 0.0)
+      m.vector[kVolumeError] = std::max(m.vector[kVolumeError],
+                                        std::fabs(m.volumes.current[c] / m.volumes.reference[c] -
+                                                  1.0));
+  m.vector[kStrain] = m.strain + (impl->is_sheared() ? m.settings.background.shear_rate *
+      static_cast<double>(update->ntimestep - m.base_step) * m.base_dt : 0.0);
+  m.vector[kFlips] = static_cast<double>(m.n_flips);
+  const biem::OperatorProfile &profile = m.suspension->profile();
+  m.vector[kRealTime] = profile.real_space;
+  m.vector[kNearTime] = profile.near;
+  m.vector[kFourierTime] = profile.fourier;
+  m.vector[kExpectedError] = m.suspension->parameters().expected_error;
+}
+
+double FixBiem::compute_scalar() { return impl->vector[kPower]; }
+double FixBiem::compute_vector(int i) { return impl->vector[i]; }
+double FixBiem::memory_usage() { return static_cast<double>(atom->nmax) * kColumns * sizeof(double); }
+
+void FixBiem::grow_arrays(int n)
+{
+  memory->grow(array, n, kColumns, "biem:array");
+  array_atom = array;
+}
+
+void FixBiem::copy_arrays(int i, int j, int) { std::copy_n(array[i], kColumns, array[j]); }
+void FixBiem::set_arrays(int i) { std::fill_n(array[i], kColumns, 0.0); }
+
+int FixBiem::pack_exchange(int i, double *buffer)
+{
+  std::copy_n(array[i], kColumns, buffer);
+  return kColumns;
+}
+
+int FixBiem::unpack_exchange(int i, double *buffer)
+{
+  std::copy_n(buffer, kColumns, array[i]);
+  return kColumns;
+}
+
+void FixBiem::write_restart(FILE *file)
+{
+  if (comm->me != 0) return;
+  std::vector<double> list = {impl->base_tilt, impl->base_dt, static_cast<double>(impl->base_step),
+                              impl->strain, static_cast<double>(impl->n_flips),
+                              static_cast<double>(impl->volumes.reference.size())};
+  list.insert(list.end(), impl->volumes.reference.begin(), impl->volumes.reference.end());
+  const int size = static_cast<int>(list.size() * sizeof(double));
+  fwrite(&size, sizeof(int), 1, file);
+  fwrite(list.data(), sizeof(double), list.size(), file);
+}
+
+void FixBiem::restart(char *buffer)
+{
+  const double *list = reinterpret_cast<const double *>(buffer);
+  impl->base_tilt = list[0];
+  impl->base_dt = list[1];
+  impl->base_step = static_cast<bigint>(list[2]);
+  impl->strain = list[3];
+  impl->n_flips = static_cast<bigint>(list[4]);
+  const int n_cells = static_cast<int>(list[5]);
+  impl->volumes.reference.assign(list + 6, list + 6 + n_cells);
+}
+
+int FixBiem::pack_restart(int i, double *buffer)
+{
+  buffer[0] = kColumns + 1;
+  std::copy_n(array[i], kColumns, buffer + 1);
+  return kColumns + 1;
+}
+
+void FixBiem::unpack_restart(int nlocal, int nth)
+{
+  double **extra = atom->extra;
+  int m = 0;
+  for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
+  std::copy_n(extra[nlocal] + m + 1, kColumns, array[nlocal]);
+}
+
+int FixBiem::size_restart(int) { return kColumns + 1; }
+int FixBiem::maxsize_restart() { return kColumns + 1; }
+
+int FixBiem::pack_forward_comm(int n, int *list, double *buffer, int, int *)
+{
+  return impl->exchange.pack_forward(n, list, buffer);
+}
+
+void FixBiem::unpack_forward_comm(int n, int first, double *buffer)
+{
+  impl->exchange.unpack_forward(n, first, buffer);
+}
+
+int FixBiem::pack_reverse_comm(int n, int first, double *buffer)
+{
+  return impl->exchange.pack_reverse(n, first, buffer);
+}
+
+void FixBiem::unpack_reverse_comm(int n, int *list, double *buffer)
+{
+  impl->exchange.unpack_reverse(n, list, buffer);
+}

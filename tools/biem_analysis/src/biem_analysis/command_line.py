@@ -1,0 +1,146 @@
+"""The command biem-analysis: arguments in, files out; the work is done elsewhere."""
+
+import argparse
+import os
+import sys
+import time as clock
+
+import numpy as np
+
+from .cell_shapes import AXIS_NAMES, CellShapes
+from .data_file import read_reference_shape
+from .errors import BiemAnalysisError
+from .trajectory import get_positions, universe
+from .version import __version__
+
+
+def main(arguments=None):
+    """Run the command; returns the exit status (0 success, 1 error in the input)."""
+    options = make_parser().parse_args(arguments)
+    try:
+        options.run(options)
+    except (BiemAnalysisError, OSError) as error:
+        print(f"biem-analysis: error: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def make_parser():
+    """The command's arguments."""
+    parser = argparse.ArgumentParser(
+        prog="biem-analysis",
+        description="Shapes and pictures of the deformable cells of a LAMMPS run with USER-BIEM.")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    shapes = commands.add_parser("shapes", help="table of cell shapes in time (CSV)")
+    add_input_arguments(shapes)
+    shapes.add_argument("--out", default="shapes.csv", metavar="FILE",
+                        help="CSV file to write (default: %(default)s)")
+    shapes.add_argument("--reference", choices=("first", "data"), default="first",
+                        help="shape for area strain: first frame used, or the reference shape in "
+                        "the data file (written without nofix) (default: %(default)s)")
+    shapes.set_defaults(run=run_shapes)
+    pictures = commands.add_parser("pictures", help="pictures of the cells and curves (PNG)")
+    add_input_arguments(pictures)
+    pictures.add_argument("--out", default="pictures", metavar="DIR",
+                          help="folder to write to, made if needed (default: %(default)s)")
+    pictures.add_argument("--panels", type=positive_integer, default=4, metavar="N",
+                          help="number of snapshots (default: %(default)s)")
+    pictures.add_argument("--width", type=positive_integer, default=1800, metavar="PIXELS",
+                          help="width of the large picture (default: %(default)s)")
+    pictures.add_argument("--no-marker", action="store_true",
+                          help="leave out the bright spot that shows the membrane turning")
+    pictures.set_defaults(run=run_pictures)
+    return parser
+
+
+def add_input_arguments(parser):
+    """Arguments that both commands have."""
+    parser.add_argument("--data", required=True, metavar="FILE",
+                        help="LAMMPS data file: write_data cells.data nocoeff nofix")
+    parser.add_argument("--dump", required=True, metavar="FILE",
+                        help="dump custom ... id mol type xu yu zu vx vy vz")
+    parser.add_argument("--timestep", type=positive_number, required=True, metavar="DT",
+                        help="time step of the run (LAMMPS command timestep)")
+    parser.add_argument("--shear-plane", default="xz", metavar="AB",
+                        help="flow and gradient direction (default: %(default)s)")
+    parser.add_argument("--start", type=int, metavar="FRAME", help="first frame used, from 0")
+    parser.add_argument("--stop", type=int, metavar="FRAME", help="frame to stop before")
+    parser.add_argument("--step", type=positive_integer, metavar="N", help="use every Nth frame")
+    parser.add_argument("--quiet", action="store_true", help="show no progress")
+
+
+def positive_number(text):
+    """Argument type: a number > 0."""
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
+    return value
+
+
+def positive_integer(text):
+    """Argument type: an integer > 0."""
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a positive integer")
+    return value
+
+
+def analyse(options, reference=None):
+    """Universe and CellShapes of the command's input."""
+    system = universe(options.data, options.dump, dt=options.timestep)
+    if reference == "data":
+        reference = read_reference_shape(options.data, system.atoms.ids)
+    shapes = CellShapes(system, shear_plane=options.shear_plane, reference=reference)
+    shapes.run(start=options.start, stop=options.stop, step=options.step,
+               verbose=not options.quiet)
+    return system, shapes
+
+
+def run_shapes(options):
+    """Subcommand shapes."""
+    reference = "data" if options.reference == "data" else None
+    _, shapes = analyse(options, reference)
+    shapes.write_csv(options.out)
+    results = shapes.results
+    print(f"{options.out}: {len(results.times)} frames of {len(results.molecules)} cells, "
+          f"t = {results.times[0]:g} to {results.times[-1]:g}")
+
+
+def paint_markers(system, shapes, flow, gradient):
+    """Paint (n_atoms,) of the pictures: one spot per cell, round in the first frame used."""
+    from .pictures.paint import choose_spots, compute_paint
+    positions = get_positions(system.trajectory[int(shapes.frames[0])])
+    toward = np.cross(np.eye(3)[flow], np.eye(3)[gradient])
+    spots = choose_spots(positions, shapes.mesh, shapes.results.markers, toward)
+    return compute_paint(positions, shapes.mesh, spots, shapes.results.area[0])
+
+
+def run_pictures(options):
+    """Subcommand pictures."""
+    from . import pictures    # matplotlib takes a second to load; the table does not need it
+    system, shapes = analyse(options)
+    os.makedirs(options.out, exist_ok=True)
+    flow, gradient = (AXIS_NAMES.index(letter) for letter in options.shear_plane)
+    chosen = np.unique(np.linspace(0, shapes.n_frames - 1, options.panels).round().astype(int))
+    frames = [int(shapes.frames[k]) for k in chosen]
+    paint = None if options.no_marker else paint_markers(system, shapes, flow, gradient)
+
+    def make_renderer(seen):
+        return pictures.SceneRenderer(system, shapes.mesh, seen, flow, gradient, paint)
+
+    times = shapes.results.times
+    for name, draw in (
+            ("shapes.png", lambda path: pictures.draw_shapes(
+                shapes.results, path, options.shear_plane)),
+            ("snapshots.png", lambda path: pictures.draw_snapshots(
+                make_renderer(frames), frames, times[chosen], path, options.width // 2)),
+            ("final.png", lambda path: pictures.draw_final(
+                make_renderer(frames[-1:]), frames[-1], times[-1], path, options.width))):
+        path = os.path.join(options.out, name)
+        begin = clock.perf_counter()
+        draw(path)
+        if options.quiet:
+            print(path)
+        else:
+            print(f"{path}  ({clock.perf_counter() - begin:.1f} s)")
