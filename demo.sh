@@ -25,22 +25,26 @@ mkdir "$output"
   -log "$output/log.lammps" -var output_dir "$output")
 
 step "Shapes and pictures"
+timestep=$(awk '$1 == "timestep" && $2 ~ /^[0-9.]/ { value = $2 } END { print value }' \
+  "$output/log.lammps")
 biem_analysis() {
-  PYTHONPATH=$top/tools/biem_analysis/src /usr/bin/python3 -m biem_analysis "$@"
+  PYTHONPATH=$top/tools/biem_analysis/src /usr/bin/python3 -m biem_analysis "$1" \
+    --data "$output/cells.data" --dump "$output/cells.dump" --timestep "$timestep" --out "$2"
 }
-biem_analysis shapes "$output/cells.data" "$output/cells.dump" --output "$output"
-biem_analysis pictures "$output/cells.data" "$output/cells.dump" --output "$output"
+biem_analysis shapes "$output/shapes.csv"
+biem_analysis pictures "$output"
 
 step "Done"
-echo "These files are yours:"
-for file in "$output"/*; do
-  case $(basename "$file") in
-    log.lammps) what="LAMMPS' log of the run" ;;
-    cells.data) what="the cells: nodes, triangles, hinges (LAMMPS data file)" ;;
-    cells.dump) what="trajectory of all nodes (LAMMPS dump; MDAnalysis reads it)" ;;
-    cells.table) what="volume, area, shape and inclination of each cell in time" ;;
-    *.png) what="picture" ;;
-    *) what="" ;;
-  esac
-  printf '  %-40s %s\n' "demo_output/$(basename "$file")" "$what"
-done
+echo "What is there now:"
+describe() {
+  [ -e "demo_output/$1" ] || { echo "demo_output/$1 was not written" >&2; return 1; }
+  printf '  demo_output/%-15s %s\n' "$1" "$2"
+}
+describe final.png "picture: the cells at the end of the run"
+describe snapshots.png "picture: the cells at several times"
+describe shapes.png "picture: inclination and deformation of the cells against time"
+describe shapes.csv "table: shape of every cell at every frame (biem-analysis)"
+describe cells.table "table: mean volume, area and shape in time (LAMMPS, fix ave/time)"
+describe cells.data "the cells: nodes, triangles, hinges (LAMMPS data file)"
+describe cells.dump "trajectory of all nodes (LAMMPS dump; MDAnalysis reads it)"
+describe log.lammps "LAMMPS' log of the run, with the chosen numerical parameters"

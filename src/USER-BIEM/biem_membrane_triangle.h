@@ -33,14 +33,16 @@ inline bool is_degenerate(const TriangleNodes &nodes)
 // What the unstressed triangle contributes. The metric replaces the 2 x 2 shape matrix: it needs
 // no in-plane axes, so an energy cannot depend on how they were chosen.
 struct ReferenceTriangle {
-  Eigen::Matrix2d inverse_metric;    // inverse Gram matrix of the edges 1-0 and 2-0, 1/length^2
+  Eigen::Matrix2d metric;            // length^2
+  Eigen::Matrix2d inverse_metric;    // 1/length^2
   double area;                       // length^2
 };
 
 // Not finite for a degenerate triangle; the caller checks, since it can name the triangle.
 inline ReferenceTriangle compute_reference_triangle(const TriangleNodes &reference)
 {
-  return {compute_metric(reference).inverse(), compute_area(reference)};
+  const Eigen::Matrix2d metric = compute_metric(reference);
+  return {metric, metric.inverse(), compute_area(reference)};
 }
 
 // Strain energy density at the invariants I1 = l1^2 + l2^2 - 2, I2 = l1^2 l2^2 - 1.
@@ -54,7 +56,8 @@ struct TriangleResponse {
 };
 
 // Virtual work of a linear displacement field (Zhao et al. 2012, Eq. 9): the invariants are
-// functions of the two edge vectors only, I1 = tr(G^-1 g) - 2 and I2 = det g / det G - 1.
+// functions of the two edge vectors only, I1 = tr(G^-1 g) - 2 and I2 = det g / det G - 1. They are
+// computed from the change g - G, so that small strains keep their digits.
 template <class Law>
 TriangleResponse compute_triangle_response(const Law &law, const ReferenceTriangle &reference,
                                            const TriangleNodes &nodes)
@@ -63,8 +66,9 @@ TriangleResponse compute_triangle_response(const Law &law, const ReferenceTriang
   const Eigen::Matrix2d metric = compute_metric(nodes);
   const Eigen::Matrix2d &inverse = reference.inverse_metric;
   const double inverse_determinant = inverse.determinant();
-  const double i1 = inverse.cwiseProduct(metric).sum() - 2.0;
-  const double i2 = metric.determinant() * inverse_determinant - 1.0;
+  const Eigen::Matrix2d change = metric - reference.metric;
+  const double i1 = inverse.cwiseProduct(change).sum();
+  const double i2 = i1 + change.determinant() * inverse_determinant;
   const EnergyDensity density = law.compute_density(i1, i2);
 
   const double a = 2.0 * reference.area * density.dI1;

@@ -45,6 +45,8 @@ struct FixBiem::Impl {
   std::unique_ptr<LammpsScene> scene;
   std::unique_ptr<biem::Suspension> suspension;
   biem::EwaldScene ewald_scene;
+  biem::EwaldParameters ewald;
+  biem::Vec3 ewald_lengths = biem::Vec3::Zero();    // box lengths they were chosen for
   biem::Evaluation evaluation;
   biem::CellVolumes volumes;
   NeighList *list = nullptr;
@@ -132,6 +134,13 @@ void FixBiem::check_script()
   if (!neighbor->dist_check)
     error->all(FLERR, "Fix biem: 'neigh_modify check yes' is required, so that neighbor lists are "
                       "renewed when the box shears");
+  if (neighbor->every != 1 || neighbor->delay != 0) {
+    if (comm->me == 0)
+      utils::logmesg(lmp, "Fix biem: sets 'neigh_modify every 1 delay 0': the box shears in every "
+                          "step\n");
+    neighbor->every = 1;
+    neighbor->delay = 0;
+  }
   bool is_later = false;
   for (int i = 0; i < modify->nfix; i++) {
     const Fix *other = modify->fix[i];
@@ -159,10 +168,10 @@ void FixBiem::check_cutoffs(double needed)
 {
   const bool is_own = comm->cutghostuser == impl->own_comm_cutoff;
   if (comm->cutghostuser > 0.0 && !is_own && comm->cutghostuser < needed)
-    error->all(FLERR, "Fix biem: communication cutoff " + std::to_string(comm->cutghostuser) +
-                   " is too small, " + std::to_string(needed) +
-                   " is needed (real-space cutoff, edges and skin); remove 'comm_modify cutoff' "
-                   "so that fix biem sets it, or give at least this value");
+    error->all(FLERR, fmt::format("Fix biem: communication cutoff {:.8g} is too small, {:.8g} is "
+                                  "needed (real-space cutoff, edges and skin); remove 'comm_modify "
+                                  "cutoff' so that fix biem sets it, or give at least this value",
+                                  comm->cutghostuser, needed));
   if (comm->cutghostuser < needed || is_own) comm->cutghostuser = impl->own_comm_cutoff = needed;
 }
 
@@ -223,9 +232,14 @@ void FixBiem::prepare_scene()
   scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
   scene.tolerance = m.settings.accuracy;
   scene.min_cutoff = scene.max_cutoff = m.settings.cutoff;
+  // Parameters once chosen stay, also through a restart, unless the accuracy or the box changes.
+  const bool is_chosen = m.ewald.order > 0 && m.ewald.tolerance == scene.tolerance &&
+      m.ewald_lengths == scene.cell.diagonal() &&
+      (m.settings.cutoff == 0.0 || m.ewald.cutoff == m.settings.cutoff);
   m.suspension = guarded(lmp, "Fix biem", [&] {
-    return std::make_unique<biem::Suspension>(world, biem::choose_ewald_parameters(scene),
-                                              m.settings.suspension);
+    if (!is_chosen) m.ewald = biem::choose_ewald_parameters(scene);
+    m.ewald_lengths = scene.cell.diagonal();
+    return std::make_unique<biem::Suspension>(world, m.ewald, m.settings.suspension);
   });
   const double edge = kEdgeGrowth * survey.longest_edge;
   m.list_cutoff = edge + kEdgeGrowth * biem::kNearFactor * survey.longest_mean_edge;
@@ -443,10 +457,16 @@ int FixBiem::unpack_exchange(int i, double *buffer)
 void FixBiem::write_restart(FILE *file)
 {
   if (comm->me != 0) return;
-  std::vector<double> list = {impl->base_tilt, impl->base_dt, static_cast<double>(impl->base_step),
-                              impl->strain, static_cast<double>(impl->n_flips),
-                              static_cast<double>(impl->volumes.reference.size())};
-  list.insert(list.end(), impl->volumes.reference.begin(), impl->volumes.reference.end());
+  const Impl &m = *impl;
+  const biem::EwaldParameters &p = m.ewald;
+  std::vector<double> list = {m.base_tilt, m.base_dt, static_cast<double>(m.base_step), m.strain,
+                              static_cast<double>(m.n_flips), m.own_comm_cutoff, p.cutoff,
+                              p.splitting, p.band_limit, static_cast<double>(p.order),
+                              static_cast<double>(p.grid[0]), static_cast<double>(p.grid[1]),
+                              static_cast<double>(p.grid[2]), p.tolerance, p.expected_error,
+                              m.ewald_lengths[0], m.ewald_lengths[1], m.ewald_lengths[2],
+                              static_cast<double>(m.volumes.reference.size())};
+  list.insert(list.end(), m.volumes.reference.begin(), m.volumes.reference.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, file);
   fwrite(list.data(), sizeof(double), list.size(), file);
@@ -454,14 +474,25 @@ void FixBiem::write_restart(FILE *file)
 
 void FixBiem::restart(char *buffer)
 {
-  const double *list = reinterpret_cast<const double *>(buffer);
-  impl->base_tilt = list[0];
-  impl->base_dt = list[1];
-  impl->base_step = static_cast<bigint>(list[2]);
-  impl->strain = list[3];
-  impl->n_flips = static_cast<bigint>(list[4]);
-  const int n_cells = static_cast<int>(list[5]);
-  impl->volumes.reference.assign(list + 6, list + 6 + n_cells);
+  const double *next = reinterpret_cast<const double *>(buffer);
+  Impl &m = *impl;
+  biem::EwaldParameters &p = m.ewald;
+  m.base_tilt = *next++;
+  m.base_dt = *next++;
+  m.base_step = static_cast<bigint>(*next++);
+  m.strain = *next++;
+  m.n_flips = static_cast<bigint>(*next++);
+  m.own_comm_cutoff = *next++;
+  p.cutoff = *next++;
+  p.splitting = *next++;
+  p.band_limit = *next++;
+  p.order = static_cast<int>(*next++);
+  for (int a = 0; a < 3; a++) p.grid[a] = static_cast<int>(*next++);
+  p.tolerance = *next++;
+  p.expected_error = *next++;
+  for (int a = 0; a < 3; a++) m.ewald_lengths[a] = *next++;
+  const int n_cells = static_cast<int>(*next++);
+  m.volumes.reference.assign(next, next + n_cells);
 }
 
 int FixBiem::pack_restart(int i, double *buffer)

@@ -84,14 +84,13 @@ TEST_P(PeriodicSphere, MeanSurfaceVelocityConvergesToTheArrayDrag)
     const Vec3 traction(1.0, 0.0, 0.0);
     const Layer layer =
         compute_layer(mesh, make_uniform(mesh.nodes.cols(), traction), length, 1e-6);
-    // mean velocity with force 4 pi in units 8 pi mu u / (6 pi mu u) ...
     const Vec3 mean = layer.velocity * layer.areas / layer.areas.sum() / (8.0 * M_PI);
     const double k = layer.areas.sum() / (6.0 * M_PI * mean[0]);
     const double error = k / GetParam().k - 1.0;
     std::printf("  c %.3f nodes %4d K %.6f exact %.6f error %.2e ratio %.2f\n", GetParam().fraction,
                 n_nodes, k, GetParam().k, error, previous / error);
-    if (n_nodes == 642) EXPECT_LT(std::fabs(error), 0.01);
-    if (n_nodes == 2562) EXPECT_LT(std::fabs(error), 0.003);
+    EXPECT_LT(std::fabs(error), 0.012 * 162 / n_nodes);
+    if (previous > 0.0) EXPECT_GT(previous / error, 3.6);    // second order: 4
     previous = error;
   }
 }
@@ -108,7 +107,7 @@ TEST(UniformPressure, CausesNoFlow)
     const SurfaceMesh mesh = make_unit_sphere(n_nodes);
     FlatElements elements;
     elements.set_geometry(mesh.nodes, mesh.triangles);
-    Points gradient = Points::Zero(3, mesh.nodes.cols());
+    Points gradient = Points::Zero(3, mesh.nodes.cols());    // area times normal
     Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.nodes.cols());
     elements.add_volume_gradient(gradient);
     elements.add_nodal_areas(areas);
@@ -118,17 +117,15 @@ TEST(UniformPressure, CausesNoFlow)
     const double rms = std::sqrt(layer.velocity.squaredNorm() / mesh.nodes.cols()) / (8.0 * M_PI);
     std::printf("  nodes %d rms velocity of a unit pressure %.2e ratio %.2f\n", n_nodes, rms,
                 previous / rms);
-    EXPECT_LT(rms, n_nodes == 162 ? 0.01 : 0.003);
+    EXPECT_LT(rms, n_nodes == 162 ? 1.5e-3 : 3e-4);
     previous = rms;
   }
 }
 
 TEST(NearRule, ErrorIsFlatInTheDistanceFromTheSurface)
 {
-  // Outside a sphere with uniform traction t the free-space velocity is that of a Stokes flow of the
-  // translating sphere: u = t a/(8 mu) [ (1/r + rr/r^3) + (1/3)(1/r^3 - 3 rr/r^5) ] a^2 ... ; in a
-  // box the difference to the nodes' own velocity is compared instead: u is continuous, so targets
-  // at distance d from the surface must approach the surface velocity linearly in d.
+  // A straining traction on a sphere, targets at 1 h ... 0.01 h outside its surface, against a mesh
+  // that is four times finer. What remains at every distance is the error of the mesh itself.
   const SurfaceMesh mesh = make_unit_sphere(642);
   const double h = 0.1546;    // mean edge
   Points density(3, mesh.nodes.cols());
@@ -136,8 +133,6 @@ TEST(NearRule, ErrorIsFlatInTheDistanceFromTheSurface)
     const Vec3 x = mesh.nodes.col(i);
     density.col(i) = Vec3(x[2], 0.5 * x[1], x[0]);    // a straining traction, force-free
   }
-  // A traction linear in position, t = E.n, on a sphere gives inside u = (a/mu)(2/15 ... ) E x: the
-  // exact single layer of an l = 1 vector harmonic, u = (8/5)(pi) ... is replaced by a fine mesh.
   const SurfaceMesh fine = make_unit_sphere(10242);
   Points fine_density(3, fine.nodes.cols());
   for (Eigen::Index i = 0; i < fine_density.cols(); i++) {
@@ -155,6 +150,6 @@ TEST(NearRule, ErrorIsFlatInTheDistanceFromTheSurface)
   for (size_t k = 0; k < distances.size(); k++) {
     const double error = (u.col(k) - exact.col(k)).norm() / exact.col(k).norm();
     std::printf("  distance %.2f h error %.2e\n", distances[k], error);
-    EXPECT_LT(error, 0.012);
+    EXPECT_LT(error, 0.003);
   }
 }

@@ -80,9 +80,9 @@ def write_data(path, cells, box=(4.0, 4.0, 4.0), tilt=None, with_reference=True)
     _, triangles = make_icosphere()
     hinges = make_hinges(triangles)
     n = len(cells[0][0])
-    lines = ["membrane cells", "", f"{n * len(cells)} atoms", f"{len(triangles) * len(cells)} angles",
-             f"{len(hinges) * len(cells)} dihedrals", "1 atom types", "1 angle types",
-             "1 dihedral types", ""]
+    lines = ["membrane cells", "", f"{n * len(cells)} atoms",
+             f"{len(triangles) * len(cells)} angles", f"{len(hinges) * len(cells)} dihedrals",
+             "1 atom types", "1 angle types", "1 dihedral types", ""]
     lines += [f"0 {box[k]!r} {'xyz'[k]}lo {'xyz'[k]}hi" for k in range(3)]
     if tilt is not None:
         lines.append(f"{tilt[0]!r} {tilt[1]!r} {tilt[2]!r} xy xz yz")

@@ -146,7 +146,7 @@ class Files(MembraneCase):
     def test_restart_brings_back_reference_and_coefficients_on_any_rank_count(self):
         self.write((0.1, 3.9, 4.05), (2.2, 1.9, 2.0))
         first = cases.run_thermo(self.script() + "write_restart cells.restart\n", self.folder)[-1]
-        script = (cases.HEADER.replace("atom_style molecular\n", "").replace("boundary p p p\n", "") +
+        script = ("neighbor 0.3 bin\ncomm_modify cutoff 1.5\n"
                   "read_restart cells.restart\npair_style zero 1.0\npair_coeff * *\n" + PRESSURE +
                   cases.THERMO.format(columns=COLUMNS))
         for n_ranks in (1, 2, 4):

@@ -107,13 +107,12 @@ def run_shapes(options):
           f"t = {results.times[0]:g} to {results.times[-1]:g}")
 
 
-def paint_markers(system, shapes, flow, gradient):
-    """Paint (n_atoms,) of the pictures: one spot per cell, round in the first frame used."""
-    from .pictures.paint import choose_spots, compute_paint
+def paint_spots(system, shapes, flow, gradient):
+    """Spots of the pictures: one per cell, round in the first frame used."""
+    from .pictures.paint import make_spots
     positions = get_positions(system.trajectory[int(shapes.frames[0])])
     toward = np.cross(np.eye(3)[flow], np.eye(3)[gradient])
-    spots = choose_spots(positions, shapes.mesh, shapes.results.markers, toward)
-    return compute_paint(positions, shapes.mesh, spots, shapes.results.area[0])
+    return make_spots(positions, shapes.mesh, shapes.results.markers, toward)
 
 
 def run_pictures(options):
@@ -124,10 +123,10 @@ def run_pictures(options):
     flow, gradient = (AXIS_NAMES.index(letter) for letter in options.shear_plane)
     chosen = np.unique(np.linspace(0, shapes.n_frames - 1, options.panels).round().astype(int))
     frames = [int(shapes.frames[k]) for k in chosen]
-    paint = None if options.no_marker else paint_markers(system, shapes, flow, gradient)
+    spots = None if options.no_marker else paint_spots(system, shapes, flow, gradient)
 
     def make_renderer(seen):
-        return pictures.SceneRenderer(system, shapes.mesh, seen, flow, gradient, paint)
+        return pictures.SceneRenderer(system, shapes.mesh, seen, flow, gradient, spots)
 
     times = shapes.results.times
     for name, draw in (

@@ -110,7 +110,11 @@ class BiemDumpReader(base.ReaderBase):
         self._file = open(self.filename, "rb")
         self._ids = None
         self._file.seek(self._frames[0][0])
-        self.n_atoms = int([self._file.readline() for _ in range(4)][3])
+        try:
+            self.n_atoms = int([self._file.readline() for _ in range(4)][3])
+        except ValueError:
+            raise BiemAnalysisError(f"the dump '{self.filename}' does not give the number of atoms "
+                                    f"in its fourth line; write it with: {ADVICE}") from None
         self.ts = self._Timestep(self.n_atoms, **self._ts_kwargs)
         self.ts.frame = -1
         self._read_next_timestep()
@@ -146,15 +150,19 @@ class BiemDumpReader(base.ReaderBase):
         ts.frame += 1
         begin, end = self._frames[ts.frame]
         self._file.seek(begin)
-        lines = self._file.read(end - begin).split(b"\n", 9)
-        step, n_atoms = int(lines[1]), int(lines[3])
+        try:
+            lines = self._file.read(end - begin).split(b"\n", 9)
+            step, n_atoms = int(lines[1]), int(lines[3])
+            box, origin = parse_box(lines[4], lines[5:8])
+            names = lines[8].split()[2:]
+        except (ValueError, IndexError) as error:
+            raise BiemAnalysisError(f"the dump '{self.filename}' is damaged in the header of frame "
+                                    f"{ts.frame}: {error}; write it again") from None
         if n_atoms != self.n_atoms:
             raise BiemAnalysisError(
                 f"the dump '{self.filename}' has {n_atoms} atoms at step {step}, but "
                 f"{self.n_atoms} in its first frame; the number of atoms must not change")
-        columns = self._parse_columns(step, lines[8].split()[2:], lines[9])
-        box, origin = parse_box(lines[4], lines[5:8])
-        self._fill(ts, columns)
+        self._fill(ts, self._parse_columns(step, names, lines[9]))
         ts.dimensions = triclinic_box(*box)
         ts.data.update(step=step, time=step * self._timestep, box=box, origin=origin)
         return ts

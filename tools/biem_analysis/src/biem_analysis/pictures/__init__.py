@@ -1,6 +1,6 @@
 """Pictures of cells: a small software renderer and the figures made with it.
 
-camera -> rasterizer -> shading know points, triangles and pixels only; scene knows cells and
+camera, smooth, rasterizer and shading know points, triangles and pixels only; scene knows cells and
 the periodic box; figures know files, titles and matplotlib.
 """
 

@@ -81,11 +81,20 @@ def draw_final(renderer, frame, time, path, image_width=1800):
     figure.savefig(path)
 
 
-def break_jumps(angle):
-    """Curve with a gap where the angle, degrees, jumps through +-90."""
-    broken = angle.copy()
-    broken[1:][np.abs(np.diff(angle)) > 90.0] = np.nan
-    return broken
+def cut_at_right_angle(times, angle):
+    """A curve of angles (n,), degrees, cut where it passes from +90 to -90 or back.
+
+    Returns times and angles with the two ends and a gap (NaN) inserted at each passage.
+    """
+    jumps = np.flatnonzero(np.abs(np.diff(angle)) > 90.0)
+    side = np.where(angle[jumps] > 0, 90.0, -90.0)
+    rest = side - angle[jumps]
+    whole = rest + angle[jumps + 1] + side    # the way through +-90 to the next angle
+    share = np.divide(rest, whole, out=np.zeros_like(rest), where=whole != 0)
+    passage = times[jumps] + share * (times[jumps + 1] - times[jumps])
+    places = np.repeat(jumps + 1, 3)
+    ends = np.column_stack([side, np.full_like(side, np.nan), -side]).ravel()
+    return np.insert(times, places, np.repeat(passage, 3)), np.insert(angle, places, ends)
 
 
 def compute_mean_inclination(inclination):
@@ -97,14 +106,8 @@ def compute_mean_inclination(inclination):
     return 0.5 * np.degrees(np.angle(doubled))
 
 
-def draw_curves(axes, times, values, mean, label):
-    """One thin line per cell and their mean."""
-    n_cells = values.shape[1]
-    shade = 0.9 if n_cells == 1 else max(0.18, 0.6 / np.sqrt(n_cells))
-    for cell in range(n_cells):
-        axes.plot(times, values[:, cell], color=CURVE_COLOR, lw=0.8, alpha=shade,
-                  label=f"single cells (n = {n_cells})" if cell == 0 else None)
-    axes.plot(times, mean, color=TEXT_COLOR, lw=2.2, label="mean over cells")
+def style_axes(axes, label):
+    """Label and grid of a plot."""
     axes.set_ylabel(label, color=TEXT_COLOR)
     axes.grid(color="#e3e6ea", lw=0.7)
     axes.set_axisbelow(True)
@@ -113,20 +116,32 @@ def draw_curves(axes, times, values, mean, label):
         axes.spines[side].set_visible(False)
 
 
+def draw_curves(axes, curves, mean):
+    """One thin line per cell and their mean; every curve is a pair of times and values."""
+    alpha = 0.9 if len(curves) == 1 else max(0.2, 0.8 / np.sqrt(len(curves)))
+    for k, (times, values) in enumerate(curves):
+        axes.plot(times, values, color=CURVE_COLOR, lw=0.9, alpha=alpha,
+                  label=f"single cells (n = {len(curves)})" if k == 0 else None)
+    axes.plot(*mean, color=TEXT_COLOR, lw=2.2, label="mean over cells")
+
+
 def draw_shapes(results, path, shear_plane="xz"):
     """Inclination and Taylor deformation against time; `results` of CellShapes."""
     figure = make_figure(8.0, 6.4)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    lines = np.apply_along_axis(break_jumps, 0, results.inclination_in_plane)
-    mean = break_jumps(compute_mean_inclination(results.inclination_in_plane))
-    draw_curves(upper, results.times, lines, mean,
-                f"inclination in the {shear_plane} plane (degrees)")
-    draw_curves(lower, results.times, results.taylor_deformation,
-                results.taylor_deformation.mean(axis=1),
-                "Taylor deformation (L - B)/(L + B), no unit")
+    times, angles = results.times, results.inclination_in_plane
+    draw_curves(upper, [cut_at_right_angle(times, column) for column in angles.T],
+                cut_at_right_angle(times, compute_mean_inclination(angles)))
+    style_axes(upper, f"inclination\nin the {shear_plane} plane (degrees)")
+    if np.abs(angles).max() > 60.0:
+        upper.set_yticks(np.arange(-90, 91, 30))
+    deformation = results.taylor_deformation
+    draw_curves(lower, [(times, column) for column in deformation.T],
+                (times, deformation.mean(axis=1)))
+    style_axes(lower, "Taylor deformation\n(L - B)/(L + B), no unit")
     lower.set_ylim(bottom=0.0)
     lower.set_xlabel("time (time unit of the run)", color=TEXT_COLOR)
-    for line in upper.legend(frameon=False, fontsize=9, loc="upper right").get_lines():
+    for line in upper.legend(frameon=False, fontsize=9, loc="best").get_lines():
         line.set_alpha(1.0)
     figure.align_ylabels()
     figure.tight_layout()

@@ -4,11 +4,31 @@ Knows meshes and positions; knows no camera and no light.
 """
 
 import colorsys
+from typing import NamedTuple
 
 import numpy as np
 
+from ..polyhedron import compute_triangle_area
+
 GOLDEN = 0.618034
-SPOT_RADIUS = 0.17    # of a spot, in units of sqrt(cell area / pi)
+SPOT_RADIUS = 0.22    # of a spot, in units of sqrt(cell area / pi)
+
+
+class Spots(NamedTuple):
+    """One painted spot per cell; it is round in the frame of `positions`."""
+
+    positions: np.ndarray    # (n_atoms, 3), length
+    nodes: np.ndarray        # (n_cells,), atom index of the middle of each spot
+    radius: np.ndarray       # (n_cells,), length
+
+    def compute_paint(self, points, cell):
+        """1 - distance/radius of points (n, 3, 3) of the cells `cell` (n,), shape (n, 3).
+
+        The paint ends where it is 0; `points` are where the points were in that frame.
+        """
+        middle = self.positions[self.nodes[cell]]
+        distance = np.linalg.norm(points - middle[:, None], axis=2)
+        return 1.0 - distance / self.radius[cell][:, None]
 
 
 def choose_colors(n_cells):
@@ -22,8 +42,8 @@ def choose_colors(n_cells):
     return np.array(colors)
 
 
-def choose_spots(positions, mesh, markers, toward):
-    """The node in the middle of each cell's spot: between its marker node and the viewer's side.
+def make_spots(positions, mesh, markers, toward):
+    """A spot on each cell between its marker node and the viewer's side.
 
     A spot at the marker itself would be out of sight half the time.
 
@@ -41,18 +61,6 @@ def choose_spots(positions, mesh, markers, toward):
     offset /= np.linalg.norm(offset, axis=1)[:, None]
     score = np.einsum("ni,ni->n", offset, (0.75 * marker + 0.66 * toward)[mesh.node_cell])
     order = np.lexsort((score, mesh.node_cell))
-    return mesh.nodes[order[np.append(mesh.node_start[1:], len(mesh.nodes)) - 1]]
-
-
-def compute_paint(positions, mesh, spots, area):
-    """How much paint each atom carries, array (n_atoms,) in [0, 1].
-
-    positions : array (n_atoms, 3) of the frame in which the spots are round, length
-    spots : int array (n_cells,), atom indices
-    area : array (n_cells,), area of the cells, length^2
-    """
-    paint = np.zeros(len(positions))
-    distance = np.linalg.norm(positions[mesh.nodes] - positions[spots[mesh.node_cell]], axis=1)
-    radius = SPOT_RADIUS * np.sqrt(area / np.pi)
-    paint[mesh.nodes] = np.clip(1.6 - distance / radius[mesh.node_cell], 0.0, 1.0)
-    return paint
+    nodes = mesh.nodes[order[np.append(mesh.node_start[1:], len(mesh.nodes)) - 1]]
+    area = mesh.sum_over_triangles(compute_triangle_area(positions[mesh.triangles]))
+    return Spots(positions, nodes, SPOT_RADIUS * np.sqrt(area / np.pi))

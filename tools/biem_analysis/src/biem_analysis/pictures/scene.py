@@ -4,6 +4,7 @@ Knows frames of a Universe and colours; the renderer below it knows neither.
 """
 
 import itertools
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,11 +13,14 @@ from .camera import Camera
 from .paint import choose_colors
 from .rasterizer import PixelBuffer, compute_line_cover
 from .shading import (compute_contact_shadow, find_outlines, shade, to_linear, to_screen)
+from .smooth import refine
 
 BACKGROUND = (1.0, 1.0, 1.0)
 BOX_COLOR = (0.30, 0.34, 0.40)
 PAINT_COLOR = (1.0, 0.93, 0.72)
+EDGE_OF_PAINT = 8.0      # the paint is full at 1/8 of its radius from its edge
 SAMPLES = 2              # pixels rendered per side of an image pixel
+FINE_MESH = 2500         # triangles of a cell from which on its outline looks smooth
 
 
 def wrap_cells(positions, mesh, box, origin):
@@ -52,6 +56,15 @@ def compute_node_normals(positions, triangles):
     return total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
 
 
+class Surface(NamedTuple):
+    """The triangles that are drawn."""
+
+    corners: np.ndarray    # (n, 3, 3), length
+    normals: np.ndarray    # (n, 3, 3), unit
+    cell: np.ndarray       # (n,)
+    paint: np.ndarray      # (n, 3), positive inside the painted spot
+
+
 class SceneRenderer:
     """Renders frames of a Universe with one camera and one colour per cell.
 
@@ -61,13 +74,15 @@ class SceneRenderer:
     mesh : CellMesh
     frames : list of int, the frames that will be rendered, in one scale that fits all of them
     flow, gradient : int, axes to the right and upward
-    paint : array (n_atoms,) in [0, 1], optional, from compute_paint
+    spots : Spots, optional, painted spots that move with the membranes
     """
 
-    def __init__(self, universe, mesh, frames, flow=0, gradient=2, paint=None):
+    def __init__(self, universe, mesh, frames, flow=0, gradient=2, spots=None):
         self._universe, self._mesh = universe, mesh
         self._flow, self._gradient = flow, gradient
-        self._paint = paint
+        largest = np.bincount(mesh.triangle_cell).max()
+        self._n_parts = int(np.clip(np.ceil(np.sqrt(FINE_MESH / largest)), 1, 4))
+        self._paint = self._make_paint(spots)
         self.colors = choose_colors(mesh.n_cells)
         self._points = np.concatenate([self._collect_points(frame) for frame in frames])
 
@@ -93,20 +108,36 @@ class SceneRenderer:
         positions, corners = self._load(frame)
         camera = self.make_camera(SAMPLES * width)
         buffer = PixelBuffer(camera.width, camera.height)
-        triangles = self._mesh.triangles
-        pixels, depth = camera.project(positions)
-        buffer.add_triangles(pixels[triangles], depth[triangles])
+        surface = self._make_surface(positions)
+        buffer.add_triangles(*camera.project(surface.corners))
         image = np.tile(to_linear(BACKGROUND), (len(buffer.depth), 1))
         if np.any(buffer.triangle >= 0):
-            self._draw_cells(image, buffer, camera, positions, corners)
+            self._draw_cells(image, buffer, camera, surface, corners)
         self._draw_box(image, buffer, camera, corners)
         return to_screen(image.reshape(camera.height, camera.width, 3), SAMPLES)
 
-    def _draw_cells(self, image, buffer, camera, positions, corners):
+    def _refine(self, positions):
+        """Corners and normals (n, 3, 3) of the curved surfaces through the nodes."""
+        triangles = self._mesh.triangles
+        normals = compute_node_normals(positions, triangles)
+        return refine(positions[triangles], normals[triangles], self._n_parts)
+
+    def _make_paint(self, spots):
+        """Paint at the corners of the drawn triangles, (n, 3); there is some where it is > 0."""
+        cell = np.repeat(self._mesh.triangle_cell, self._n_parts ** 2)
+        if spots is None:
+            return np.full((len(cell), 3), -1.0)
+        return spots.compute_paint(self._refine(spots.positions)[0], cell)
+
+    def _make_surface(self, positions):
+        cell = np.repeat(self._mesh.triangle_cell, self._n_parts ** 2)
+        return Surface(*self._refine(positions), cell, self._paint)
+
+    def _draw_cells(self, image, buffer, camera, surface, corners):
         seen = np.flatnonzero(buffer.triangle >= 0)
         depth = buffer.depth[seen]
-        normal, color = self._collect_surface(buffer, camera, positions, seen)
-        size = self._estimate_cell_size(positions)
+        normal, color = self._collect_surface(buffer, camera, surface, seen)
+        size = self._estimate_cell_size(surface)
         pixel = float(camera.compute_pixel_size(np.median(depth)))
         layer = buffer.depth.reshape(camera.height, camera.width)
         shadow = compute_contact_shadow(layer, 0.35 * size / pixel, 1.2 * size).ravel()[seen]
@@ -117,25 +148,22 @@ class SceneRenderer:
         light = shade(normal, color) * (shadow * edge)[:, None]
         image[seen] = (1.0 - haze) * light + haze * to_linear(BACKGROUND)
 
-    def _collect_surface(self, buffer, camera, positions, seen):
+    def _collect_surface(self, buffer, camera, surface, seen):
         """Normals in the camera's frame and linear colours of the pixels `seen`, (n, 3) each."""
         name, weight = buffer.triangle[seen], buffer.weights[seen]
-        corner = self._mesh.triangles[name]
-        normals = compute_node_normals(positions, self._mesh.triangles)
-        normals = normals @ np.column_stack([camera.right, camera.up, camera.toward])
-        normal = np.einsum("nk,nki->ni", weight, normals[corner])
+        normal = np.einsum("nk,nki->ni", weight, surface.normals[name])
+        normal = normal @ np.column_stack([camera.right, camera.up, camera.toward])
         normal /= np.linalg.norm(normal, axis=1)[:, None]
-        color = to_linear(self.colors)[self._mesh.triangle_cell[name]]
-        if self._paint is not None:
-            paint = np.einsum("nk,nk->n", weight, self._paint[corner])
-            paint = np.clip(2.5 * (paint - 0.3), 0.0, 1.0)[:, None]
-            color = (1.0 - paint) * color + paint * to_linear(PAINT_COLOR)
-        return normal, color
+        paint = np.einsum("nk,nk->n", weight, surface.paint[name])
+        paint = np.clip(EDGE_OF_PAINT * paint, 0.0, 1.0)[:, None]
+        color = to_linear(self.colors)[surface.cell[name]]
+        return normal, (1.0 - paint) * color + paint * to_linear(PAINT_COLOR)
 
-    def _estimate_cell_size(self, positions):
-        """Mean distance of the nodes from the middle of their cell, length."""
-        middle = self._mesh.mean_over_nodes(positions)[self._mesh.node_cell]
-        return float(np.linalg.norm(positions[self._mesh.nodes] - middle, axis=1).mean())
+    def _estimate_cell_size(self, surface):
+        """Typical radius of a cell from its surface area, length."""
+        edges = surface.corners[:, 1:] - surface.corners[:, :1]
+        area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum()
+        return float(np.sqrt(area / (4.0 * np.pi * self._mesh.n_cells)))
 
     def _draw_box(self, image, buffer, camera, corners):
         thickness = max(1.0, camera.width / 900.0)

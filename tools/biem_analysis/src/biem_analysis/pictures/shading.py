@@ -36,6 +36,15 @@ def shade(normal, color):
     return color * light[:, None] + (gloss + rim)[:, None]
 
 
+def blur(image, deviation):
+    """Gaussian blur of the standard deviation in pixels, as three box averages: its cost does
+    not grow with the deviation."""
+    width = max(1, int(round(2.0 * deviation)))    # variance of a box: (width^2 - 1)/12
+    for _ in range(3):
+        image = ndimage.uniform_filter(image, width, mode="nearest")
+    return image
+
+
 def compute_contact_shadow(depth, radius, length):
     """Factor in (0, 1] that darkens what lies behind an edge nearby.
 
@@ -54,7 +63,7 @@ def compute_contact_shadow(depth, radius, length):
     far = np.where(filled, depth, depth[filled].max())
     shadow = np.zeros_like(far)
     for scale in (1.0, 0.3):
-        blurred = ndimage.gaussian_filter(far, scale * radius, mode="nearest")
+        blurred = blur(far, scale * radius)
         shadow += 0.5 * np.clip((far - blurred) / length, 0.0, 1.0)
     return np.where(filled, 1.0 - 0.62 * shadow, 1.0)
 

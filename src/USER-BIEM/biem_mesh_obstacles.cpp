@@ -1,0 +1,137 @@
+// Nearest triangle by a periodic grid of bins; inside or outside by the normal at the nearest point.
+// Does not know how the surfaces came there nor what is placed between them.
+#include "biem_mesh_obstacles.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace biem {
+namespace {
+
+// Barycentric coordinates of the point of the triangle nearest to p (Ericson, Real-Time Collision
+// Detection, 2005, Section 5.1.5: the Voronoi regions of the corners, the edges and the face).
+Vec3 compute_nearest_weights(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c)
+{
+  const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return Vec3(1.0, 0.0, 0.0);
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0.0 && d4 <= d3) return Vec3(0.0, 1.0, 0.0);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+    const double v = d1 / (d1 - d3);
+    return Vec3(1.0 - v, v, 0.0);
+  }
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0.0 && d5 <= d6) return Vec3(0.0, 0.0, 1.0);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+    const double w = d2 / (d2 - d6);
+    return Vec3(1.0 - w, 0.0, w);
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return Vec3(0.0, 1.0 - w, w);
+  }
+  return Vec3(va, vb, vc) / (va + vb + vc);
+}
+
+}    // namespace
+
+MeshObstacles::MeshObstacles(const MeshLattice &lattice, const Points &nodes,
+                             const std::vector<Triangle> &triangles, double reach) :
+    lattice_(lattice), nodes_(nodes), reach_(reach)
+{
+  make_facets(triangles);
+  make_bins();
+}
+
+void MeshObstacles::make_facets(const std::vector<Triangle> &triangles)
+{
+  Points normals = Points::Zero(3, nodes_.cols());
+  double largest = 0.0;
+  for (const Triangle &t : triangles) {
+    const Vec3 a = nodes_.col(t[0]);
+    const Vec3 ab = lattice_.wrap_difference(nodes_.col(t[1]) - a);
+    const Vec3 ac = lattice_.wrap_difference(nodes_.col(t[2]) - a);
+    const Vec3 center = (ab + ac) / 3.0;
+    Facet facet;
+    facet.center = a + center;
+    facet.corners << -center, ab - center, ac - center;
+    facets_.push_back(facet);
+    for (int node : t) normals.col(node) += ab.cross(ac);
+    largest = std::max(largest, facet.corners.colwise().norm().maxCoeff());
+  }
+  for (std::size_t i = 0; i < triangles.size(); i++)
+    for (int k = 0; k < 3; k++)
+      facets_[i].normals.col(k) = normals.col(triangles[i][k]).normalized();
+  search_radius_ = reach_ + largest;
+}
+
+void MeshObstacles::make_bins()
+{
+  std::size_t n_all = 1;
+  for (int k = 0; k < 3; k++) {
+    const double n = std::min(64.0, lattice_.heights()[k] / search_radius_);
+    n_bins_[k] = std::max(1, static_cast<int>(n));
+    n_all *= n_bins_[k];
+  }
+  facets_of_bin_.resize(n_all);
+  for (std::size_t i = 0; i < facets_.size(); i++)
+    facets_of_bin_[compute_bin_index(find_bin(facets_[i].center))].push_back(static_cast<int>(i));
+}
+
+std::array<int, 3> MeshObstacles::find_bin(const Vec3 &point) const
+{
+  const Vec3 s = lattice_.compute_fractional(point);
+  std::array<int, 3> bin;
+  for (int k = 0; k < 3; k++)
+    bin[k] = std::min(static_cast<int>((s[k] - std::floor(s[k])) * n_bins_[k]), n_bins_[k] - 1);
+  return bin;
+}
+
+std::size_t MeshObstacles::compute_bin_index(const std::array<int, 3> &bin) const
+{
+  return (static_cast<std::size_t>(bin[2]) * n_bins_[1] + bin[1]) * n_bins_[0] + bin[0];
+}
+
+void MeshObstacles::update_nearest(const Facet &facet, const Vec3 &point, Nearest &nearest) const
+{
+  const Vec3 p = lattice_.wrap_difference(point - facet.center);
+  const Vec3 weights = compute_nearest_weights(p, facet.corners.col(0), facet.corners.col(1),
+                                               facet.corners.col(2));
+  const Vec3 offset = p - facet.corners * weights;
+  if (offset.squaredNorm() >= nearest.squared) return;
+  nearest = {offset.squaredNorm(), offset, facet.normals * weights};
+}
+
+SignedDistance MeshObstacles::evaluate(const Vec3 &point) const
+{
+  Nearest nearest = {reach_ * reach_, Vec3::Zero(), Vec3::Zero()};
+  const std::array<int, 3> home = find_bin(point);
+  int low[3], high[3];
+  for (int k = 0; k < 3; k++) {    // with fewer than three bins, a neighbor would be met twice
+    low[k] = n_bins_[k] < 3 ? 0 : home[k] - 1;
+    high[k] = n_bins_[k] < 3 ? n_bins_[k] - 1 : home[k] + 1;
+  }
+  auto fold = [&](int i, int k) { return (i + n_bins_[k]) % n_bins_[k]; };
+  for (int i = low[0]; i <= high[0]; i++)
+    for (int j = low[1]; j <= high[1]; j++)
+      for (int k = low[2]; k <= high[2]; k++)
+        for (int facet : facets_of_bin_[compute_bin_index({fold(i, 0), fold(j, 1), fold(k, 2)})])
+          update_nearest(facets_[facet], point, nearest);
+  if (nearest.squared >= reach_ * reach_) return {reach_, Vec3::Zero()};
+  const double distance = std::sqrt(nearest.squared);
+  if (nearest.offset.dot(nearest.normal) < 0.0) return {-distance, nearest.normal.normalized()};
+  return {distance, distance > 0.0 ? Vec3(nearest.offset / distance) : nearest.normal};
+}
+
+bool MeshObstacles::is_inside(const Vec3 &point) const
+{
+  Nearest nearest = {1e300, Vec3::Zero(), Vec3::Zero()};
+  for (const Facet &facet : facets_) update_nearest(facet, point, nearest);
+  return nearest.offset.dot(nearest.normal) < 0.0;
+}
+
+}    // namespace biem

@@ -1,0 +1,57 @@
+// Surfaces and points that are already in the periodic cell: distance of a point to them.
+// Surfaces may have any shape; knows nothing of the bodies that are being placed.
+#ifndef BIEM_MESH_OBSTACLES_H
+#define BIEM_MESH_OBSTACLES_H
+
+#include "biem_mesh_lattice.h"
+#include "biem_mesh_signed_distance.h"
+
+#include <array>
+#include <vector>
+
+namespace biem {
+
+class MeshObstacles {
+ public:
+  // nodes: 3 x n in any periodic images; nodes without a triangle are points with no inside.
+  // Distances to surfaces are searched up to reach (length).
+  MeshObstacles(const MeshLattice &lattice, const Points &nodes,
+                const std::vector<Triangle> &triangles, double reach);
+
+  const Points &nodes() const { return nodes_; }
+
+  // To the nearest point of the nearest triangle; negative inside; reach if none is as near.
+  SignedDistance evaluate(const Vec3 &point) const;
+
+  // Whether the point is inside a surface, however deep. Slow: looks at every triangle.
+  bool is_inside(const Vec3 &point) const;
+
+ private:
+  struct Facet {
+    Vec3 center;
+    Mat3 corners;    // relative to the center, one per column
+    Mat3 normals;    // at the corners: area-weighted means of the triangles there
+  };
+  struct Nearest {
+    double squared;    // of the distance
+    Vec3 offset;       // from the surface to the point
+    Vec3 normal;       // interpolated between the corners
+  };
+
+  void make_facets(const std::vector<Triangle> &triangles);
+  void make_bins();
+  std::array<int, 3> find_bin(const Vec3 &point) const;
+  std::size_t compute_bin_index(const std::array<int, 3> &bin) const;
+  void update_nearest(const Facet &facet, const Vec3 &point, Nearest &nearest) const;
+
+  MeshLattice lattice_;
+  Points nodes_;
+  double reach_, search_radius_;
+  std::vector<Facet> facets_;
+  std::array<int, 3> n_bins_;
+  std::vector<std::vector<int>> facets_of_bin_;
+};
+
+}    // namespace biem
+
+#endif
