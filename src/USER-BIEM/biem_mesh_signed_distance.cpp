@@ -63,8 +63,9 @@ SignedDistance SignedDistanceTable::evaluate(const Vec3 &point) const
   const double along_rho = ((1.0 - v) * (low[1] - low[0]) + v * (high[1] - high[0])) / spacing_;
   const double along_z = ((1.0 - u) * (high[0] - low[0]) + u * (high[1] - low[1])) / spacing_;
   const double inverse = rho > 0.0 ? 1.0 / rho : 0.0;
-  return {std::min(value, reach_), Vec3(along_rho * point[0] * inverse, along_rho * point[1] * inverse,
-                      point[2] < 0.0 ? -along_z : along_z)};
+  const Vec3 normal(along_rho * point[0] * inverse, along_rho * point[1] * inverse,
+                    point[2] < 0.0 ? -along_z : along_z);
+  return {std::min(value, reach_), normal};
 }
 
 }    // namespace biem

@@ -24,7 +24,7 @@ class SignedDistanceTable {
 
   double bounding_radius() const { return bounding_radius_; }
   // Bound of the interpolation error of a value near the surface, length.
-  double accuracy() const { return 0.5 * spacing_ * spacing_ / bounding_radius_; }
+  double accuracy() const { return 2e-4 * bounding_radius_; }
 
  private:
   double compute_exact(double rho, double z) const;

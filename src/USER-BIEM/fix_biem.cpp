@@ -3,14 +3,14 @@
 #include "atom.h"
 #include "biem_lammps_bridge.h"
 #include "biem_lammps_compat.h"
+#include "biem_lammps_script_check.h"
 #include "biem_lammps_settings.h"
+#include "biem_lammps_sheared_box.h"
 #include "biem_lammps_topology.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
-#include "force.h"
 #include "group.h"
-#include "irregular.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
@@ -18,7 +18,6 @@
 #include "utils.h"
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 using namespace LAMMPS_NS;
@@ -53,15 +52,13 @@ struct FixBiem::Impl {
   int cells_bit = 0, tracers_bit = 0;
   double list_cutoff = 0.0;
   double own_comm_cutoff = -1.0;    // what this fix has set itself
-  // unflipped tilt = base_tilt + rate Lz (step - base_step) base_dt
-  double base_tilt = 0.0, base_dt = 0.0;
-  bigint base_step = -1;    // -1: not started
-  double strain = 0.0;
-  bigint n_flips = 0;
+  ShearedBox box;
   double vector[kVectorSize] = {};
 
-  Impl(LAMMPS *lmp, Fix *fix, FixBiemSettings s) : settings(std::move(s)), exchange(lmp, fix) {}
-  bool is_sheared() const { return settings.flow == FixBiemSettings::Flow::Shear; }
+  Impl(LAMMPS *lmp, Fix *fix, const FixBiemSettings &s) :
+      settings(s), exchange(lmp, fix), box(lmp, s.background.shear_rate)
+  {
+  }
 };
 
 FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array(nullptr)
@@ -73,7 +70,7 @@ FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array
   if (atom->tag_enable == 0 || atom->map_style == 0)
     error->all(FLERR, "Fix biem: needs atom ids and an atom map; add 'atom_modify map yes' before "
                       "the box is created");
-  if (impl->is_sheared()) {
+  if (impl->box.is_sheared()) {
     if (!domain->triclinic)
       error->all(FLERR, "Fix biem: flow shear needs a triclinic box; create it as a prism (region "
                         "... prism) or use 'change_box all triclinic'");
@@ -114,54 +111,8 @@ FixBiem::~FixBiem()
 int FixBiem::setmask()
 {
   int mask = INITIAL_INTEGRATE | POST_FORCE;
-  if (impl->is_sheared()) mask |= PRE_EXCHANGE;
+  if (impl->box.is_sheared()) mask |= PRE_EXCHANGE;
   return mask;
-}
-
-void FixBiem::check_script()
-{
-  if (!force->newton_bond)
-    error->all(FLERR, "Fix biem: 'newton on' is required, so that each triangle is on one rank");
-  if (domain->dimension != 3 || !domain->xperiodic || !domain->yperiodic || !domain->zperiodic)
-    error->all(FLERR, "Fix biem: the box must be three-dimensional and periodic: boundary p p p");
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix biem: run_style respa is not supported; use run_style verlet");
-  if (neighbor->exclude)
-    error->all(FLERR, "Fix biem: 'neigh_modify exclude' would hide near pairs of nodes; remove it");
-  if (atom->nbonds > 0)
-    error->all(FLERR, "Fix biem: the system has bonds, which take pairs out of the neighbor list; "
-                      "meshes need angles and dihedrals only");
-  if (!neighbor->dist_check)
-    error->all(FLERR, "Fix biem: 'neigh_modify check yes' is required, so that neighbor lists are "
-                      "renewed when the box shears");
-  if (neighbor->every != 1 || neighbor->delay != 0) {
-    if (comm->me == 0)
-      utils::logmesg(lmp, "Fix biem: sets 'neigh_modify every 1 delay 0': the box shears in every "
-                          "step\n");
-    neighbor->every = 1;
-    neighbor->delay = 0;
-  }
-  bool is_later = false;
-  for (int i = 0; i < modify->nfix; i++) {
-    const Fix *other = modify->fix[i];
-    if (other == this) {
-      is_later = true;
-      continue;
-    }
-    if (strcmp(other->style, style) == 0)
-      error->all(FLERR, std::string("Fix biem: only one fix of this kind can be defined, but there "
-                                    "are '") + id + "' and '" + other->id + "'");
-    if (other->time_integrate)
-      error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
-                     ") also moves atoms; remove it, the Stokes flow has no inertia");
-    if (other->box_change)
-      error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
-                     ") changes the box; fix biem owns the tilt of the sheared box itself");
-    if (is_later && (modify->fmask[i] & POST_FORCE))
-      error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
-                     ") changes forces after they have been turned into velocities; define it "
-                     "before fix biem");
-  }
 }
 
 void FixBiem::check_cutoffs(double needed)
@@ -177,7 +128,7 @@ void FixBiem::check_cutoffs(double needed)
 
 void FixBiem::init()
 {
-  check_script();
+  check_script(lmp, this);
   const FixBiemSettings &s = impl->settings;
   auto bit = [&](const std::string &name) { return group->bitmask[group->find(name.c_str())]; };
   impl->tracers_bit = s.tracers.empty() ? 0 : bit(s.tracers);
@@ -223,7 +174,7 @@ void FixBiem::prepare_scene()
 
   biem::EwaldScene &scene = m.ewald_scene;
   scene.cell = get_cell(lmp);
-  scene.max_tilt = impl->is_sheared() ? 0.5 * domain->xprd : std::fabs(domain->xz);
+  scene.max_tilt = impl->box.is_sheared() ? 0.5 * domain->xprd : std::fabs(domain->xz);
   scene.n_sources = static_cast<double>(survey.n_nodes + survey.n_triangles);
   scene.n_targets = static_cast<double>(atom->natoms);
   scene.body_sources = survey.n_cells > 0 ? scene.n_sources / survey.n_cells : 0.0;
@@ -246,7 +197,7 @@ void FixBiem::prepare_scene()
   const double cutoff = m.suspension->parameters().cutoff;
   check_cutoffs(std::max(m.list_cutoff, cutoff + edge) + neighbor->skin);
   m.scene = std::make_unique<LammpsScene>(lmp, m.cells_bit, m.list_cutoff);
-  rebase_tilt();
+  m.box.start();
   report();
 }
 
@@ -276,32 +227,9 @@ void FixBiem::report()
 
 void FixBiem::init_list(int, NeighList *list) { impl->list = list; }
 
-double FixBiem::unflipped_tilt() const
-{
-  return impl->base_tilt + impl->settings.background.shear_rate * domain->zprd *
-      static_cast<double>(update->ntimestep - impl->base_step) * impl->base_dt;
-}
-
-// Restarts the count of the tilt where the timestep or the box has been changed from outside.
-void FixBiem::rebase_tilt()
-{
-  if (!impl->is_sheared()) return;
-  const bool is_started = impl->base_step >= 0;
-  const double tilt = is_started ? unflipped_tilt() : domain->xz;
-  const double offset = (tilt - domain->xz) / domain->xprd;
-  const bool is_same_box = std::fabs(offset - std::round(offset)) < 1e-9;
-  if (is_started && is_same_box && impl->base_dt == update->dt) return;
-  if (is_started)
-    impl->strain += impl->settings.background.shear_rate *
-        static_cast<double>(update->ntimestep - impl->base_step) * impl->base_dt;
-  impl->base_tilt = is_same_box ? tilt : domain->xz;
-  impl->base_step = update->ntimestep;
-  impl->base_dt = update->dt;
-}
-
 void FixBiem::reset_dt()
 {
-  rebase_tilt();
+  impl->box.start();
   impl->volumes.relaxation_rate = 0.1 / update->dt;
 }
 
@@ -325,33 +253,11 @@ void FixBiem::initial_integrate(int)
     previous = velocity;
     a[kPreviousDt] = dt;
   }
-  if (!impl->is_sheared()) return;
   // The box of the new time before ghosts move and forces are computed.
-  const double length = domain->xprd, tilt = unflipped_tilt();
-  domain->xz = tilt - length * std::round((tilt - domain->xz) / length);
-  domain->set_global_box();
-  domain->set_local_box();
-  if (std::fabs(domain->xz) > 0.5 * length) next_reneighbor = update->ntimestep;
+  if (impl->box.advance()) next_reneighbor = update->ntimestep;
 }
 
-// Flips the box when its tilt has passed one half; the lattice stays the same.
-void FixBiem::pre_exchange()
-{
-  const double length = domain->xprd;
-  if (std::fabs(domain->xz) <= 0.5 * length) return;
-  const int n = domain->xz > 0.0 ? -1 : 1;
-  domain->xz += n * length;
-  domain->set_global_box();
-  domain->set_local_box();
-  domain->image_flip(0, n, 0);
-  for (int i = 0; i < atom->nlocal; i++) domain->remap(atom->x[i], atom->image[i]);
-  // Atoms move by up to half a box, further than comm->exchange() reaches.
-  domain->x2lamda(atom->nlocal);
-  Irregular irregular(lmp);
-  irregular.migrate_atoms();
-  domain->lamda2x(atom->nlocal);
-  impl->n_flips++;
-}
+void FixBiem::pre_exchange() { impl->box.flip_if_needed(); }
 
 void FixBiem::post_force(int)
 {
@@ -419,9 +325,8 @@ void FixBiem::publish()
       m.vector[kVolumeError] = std::max(m.vector[kVolumeError],
                                         std::fabs(m.volumes.current[c] / m.volumes.reference[c] -
                                                   1.0));
-  m.vector[kStrain] = m.strain + (impl->is_sheared() ? m.settings.background.shear_rate *
-      static_cast<double>(update->ntimestep - m.base_step) * m.base_dt : 0.0);
-  m.vector[kFlips] = static_cast<double>(m.n_flips);
+  m.vector[kStrain] = m.box.strain();
+  m.vector[kFlips] = m.box.n_flips();
   const biem::OperatorProfile &profile = m.suspension->profile();
   m.vector[kRealTime] = profile.real_space;
   m.vector[kNearTime] = profile.near;
@@ -459,13 +364,12 @@ void FixBiem::write_restart(FILE *file)
   if (comm->me != 0) return;
   const Impl &m = *impl;
   const biem::EwaldParameters &p = m.ewald;
-  std::vector<double> list = {m.base_tilt, m.base_dt, static_cast<double>(m.base_step), m.strain,
-                              static_cast<double>(m.n_flips), m.own_comm_cutoff, p.cutoff,
-                              p.splitting, p.band_limit, static_cast<double>(p.order),
-                              static_cast<double>(p.grid[0]), static_cast<double>(p.grid[1]),
-                              static_cast<double>(p.grid[2]), p.tolerance, p.expected_error,
-                              m.ewald_lengths[0], m.ewald_lengths[1], m.ewald_lengths[2],
-                              static_cast<double>(m.volumes.reference.size())};
+  std::vector<double> list = m.box.get_state();
+  list.insert(list.end(), {m.own_comm_cutoff, p.cutoff, p.splitting, p.band_limit,
+                           static_cast<double>(p.order), static_cast<double>(p.grid[0]),
+                           static_cast<double>(p.grid[1]), static_cast<double>(p.grid[2]),
+                           p.tolerance, p.expected_error, m.ewald_lengths[0], m.ewald_lengths[1],
+                           m.ewald_lengths[2], static_cast<double>(m.volumes.reference.size())});
   list.insert(list.end(), m.volumes.reference.begin(), m.volumes.reference.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, file);
@@ -477,11 +381,8 @@ void FixBiem::restart(char *buffer)
   const double *next = reinterpret_cast<const double *>(buffer);
   Impl &m = *impl;
   biem::EwaldParameters &p = m.ewald;
-  m.base_tilt = *next++;
-  m.base_dt = *next++;
-  m.base_step = static_cast<bigint>(*next++);
-  m.strain = *next++;
-  m.n_flips = static_cast<bigint>(*next++);
+  m.box.set_state(next);
+  next += ShearedBox::kStateSize;
   m.own_comm_cutoff = *next++;
   p.cutoff = *next++;
   p.splitting = *next++;

@@ -72,7 +72,7 @@ class CellShapes(AnalysisBase):
     markers : (n_cells,) atom indices of the marker nodes
 
     Errors: the formulas are exact for the polyhedra (1e-12 with a dump of full precision; a dump
-    with the default format %g has 6 digits, so a volume error of about 1e-4 far from 0).
+    with the default format %g has 6 digits, so positions near 1000 have an error of 0.005).
     """
 
     def __init__(self, universe, shear_plane="xz", reference=None, verbose=False):

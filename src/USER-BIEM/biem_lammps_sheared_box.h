@@ -1,0 +1,47 @@
+// The tilt xz of a periodic box that shears with u = (rate z, 0, 0): advances it, flips the box,
+// counts strain and flips. Knows no atoms' velocities and no forces.
+#ifndef BIEM_LAMMPS_SHEARED_BOX_H
+#define BIEM_LAMMPS_SHEARED_BOX_H
+
+#include "lmptype.h"
+#include "pointers.h"
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class ShearedBox : protected Pointers {
+ public:
+  // rate [1/time]; 0: a box at rest, for which every call does nothing.
+  ShearedBox(LAMMPS *lmp, double rate) : Pointers(lmp), rate_(rate) {}
+  ~ShearedBox() override;
+
+  bool is_sheared() const { return rate_ != 0.0; }
+  // Start of a run, or a new timestep: continues the count of the tilt, or starts it anew where the
+  // box has been changed from outside.
+  void start();
+  // Sets the tilt of the present step. True if the box must be flipped at once.
+  bool advance();
+  // Flips the box if its tilt has passed one half, and moves the atoms to their new ranks.
+  void flip_if_needed();
+
+  double strain() const;
+  double n_flips() const { return static_cast<double>(n_flips_); }
+
+  static constexpr int kStateSize = 5;
+  std::vector<double> get_state() const;
+  void set_state(const double *state);
+
+ private:
+  double run_strain() const;
+  double unflipped_tilt() const;
+
+  double rate_;
+  // unflipped tilt = base_tilt + rate Lz (step - base_step) base_dt, exact over any number of steps
+  double base_tilt_ = 0.0, base_dt_ = 0.0, base_strain_ = 0.0;
+  bigint base_step_ = -1;    // -1: not started
+  bigint n_flips_ = 0;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
