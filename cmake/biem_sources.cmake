@@ -29,6 +29,7 @@ set(BIEM_CORE_SOURCES
 # Bridge: the only part of the package that knows both the core and LAMMPS.
 set(BIEM_BRIDGE_SOURCES
   biem_lammps_bridge.cpp
+  biem_lammps_report.cpp
   biem_lammps_script_check.cpp
   biem_lammps_settings.cpp
   biem_lammps_sheared_box.cpp

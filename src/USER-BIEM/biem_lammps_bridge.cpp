@@ -87,6 +87,32 @@ constexpr double kListMargin = 1.1;
 biem::Mat3 get_cell(LAMMPS *lmp) { return Box(lmp).cell(); }
 biem::Vec3 get_origin(LAMMPS *lmp) { return Box(lmp).origin(); }
 
+std::vector<double> to_state(const biem::EwaldParameters &p)
+{
+  return {p.cutoff,
+          p.splitting,
+          p.band_limit,
+          static_cast<double>(p.order),
+          static_cast<double>(p.grid[0]),
+          static_cast<double>(p.grid[1]),
+          static_cast<double>(p.grid[2]),
+          p.tolerance,
+          p.expected_error};
+}
+
+biem::EwaldParameters to_ewald_parameters(const double *state)
+{
+  biem::EwaldParameters p;
+  p.cutoff = state[0];
+  p.splitting = state[1];
+  p.band_limit = state[2];
+  p.order = static_cast<int>(state[3]);
+  for (int a = 0; a < 3; a++) p.grid[a] = static_cast<int>(state[4 + a]);
+  p.tolerance = state[7];
+  p.expected_error = state[8];
+  return p;
+}
+
 void LammpsScene::refresh(NeighList *list)
 {
   triangles_.clear();
@@ -103,7 +129,7 @@ void LammpsScene::refresh(NeighList *list)
   cell_of_node_.resize(atom->nlocal);
   for (int i = 0; i < atom->nlocal; i++)
     cell_of_node_[i] =
-        atom->mask[i] & cells_bit_ ? static_cast<int>(atom->molecule[i]) - 1 : -1;
+        groups_.is_cell(atom->mask[i]) ? static_cast<int>(atom->molecule[i]) - 1 : -1;
   triangle_shift_.resize(3, triangles_.size());
 }
 

@@ -4,6 +4,7 @@
 #define BIEM_LAMMPS_BRIDGE_H
 
 #include "biem_error.h"
+#include "biem_lammps_topology.h"
 #include "biem_node_exchange.h"
 #include "biem_suspension.h"
 #include "error.h"
@@ -41,12 +42,17 @@ class LammpsExchange : public biem::NodeExchange, protected Pointers {
 biem::Mat3 get_cell(LAMMPS *lmp);
 biem::Vec3 get_origin(LAMMPS *lmp);
 
+// Ewald parameters as numbers for a restart file, and back.
+constexpr int kEwaldStateSize = 9;
+std::vector<double> to_state(const biem::EwaldParameters &parameters);
+biem::EwaldParameters to_ewald_parameters(const double *state);
+
 // This rank's share of the surfaces, kept between reneighborings.
 class LammpsScene : protected Pointers {
  public:
   // list_cutoff: of the full neighbor list, without skin.
-  LammpsScene(LAMMPS *lmp, int cells_bit, double list_cutoff) :
-      Pointers(lmp), cells_bit_(cells_bit), list_cutoff_(list_cutoff)
+  LammpsScene(LAMMPS *lmp, const NodeGroups &groups, double list_cutoff) :
+      Pointers(lmp), groups_(groups), list_cutoff_(list_cutoff)
   {
   }
 
@@ -58,7 +64,7 @@ class LammpsScene : protected Pointers {
  private:
   void add_candidates(const biem::Triangle &triangle, NeighList *list);
 
-  int cells_bit_;
+  NodeGroups groups_;
   double list_cutoff_;
   std::vector<biem::Triangle> triangles_;
   std::vector<int> cell_of_triangle_, cell_of_node_;

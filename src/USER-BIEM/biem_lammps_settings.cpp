@@ -158,26 +158,4 @@ double viscosity_factor(LAMMPS *lmp)
   return Units(lmp).factor();
 }
 
-std::string describe_units(LAMMPS *lmp)
-{
-  class Units : protected Pointers {
-   public:
-    explicit Units(LAMMPS *l) : Pointers(l) {}
-    std::string style() { return update->unit_style; }
-  };
-  static const std::map<std::string, std::string> text = {
-      {"lj", "dimensionless: lengths, times and viscosity as chosen by the input script, ES and ED "
-             "in viscosity * length / time, EB in viscosity * length^3 / time"},
-      {"si", "viscosity in Pa s, ES and ED in N/m, EB in J"},
-      {"cgs", "viscosity in poise, ES and ED in dyn/cm, EB in erg"},
-      {"micro", "viscosity in pg/(um us) = mPa s, ES and ED in pg/us^2 = mN/m, EB in pg um^2/us^2 "
-                "= 1e-15 J"},
-      {"nano", "viscosity in ag/(nm ns) = mPa s, ES and ED in ag/ns^2 = mN/m, EB in ag nm^2/ns^2 = "
-               "1e-21 J"},
-      {"real", "viscosity in poise, ES and ED in kcal/(mol Angstrom^2), EB in kcal/mol"},
-      {"metal", "viscosity in poise, ES and ED in eV/Angstrom^2, EB in eV"}};
-  const std::string style = Units(lmp).style();
-  return "units " + style + ": " + (text.count(style) ? text.at(style) : "as documented by LAMMPS");
-}
-
 }    // namespace LAMMPS_NS

@@ -31,9 +31,6 @@ FixBiemSettings parse_fix_biem(LAMMPS *lmp, int narg, char **arg);
 // Factor from the unit style's dynamic viscosity to force * time / length^2.
 double viscosity_factor(LAMMPS *lmp);
 
-// One line that says in which units moduli and viscosity are.
-std::string describe_units(LAMMPS *lmp);
-
 }    // namespace LAMMPS_NS
 
 #endif

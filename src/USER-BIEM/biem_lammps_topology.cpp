@@ -58,8 +58,8 @@ std::vector<T> exchange(MPI_Comm world, const std::vector<std::vector<T>> &outgo
 
 class Surveyor : protected Pointers {
  public:
-  Surveyor(LAMMPS *lmp, int cells_bit, int tracers_bit) :
-      Pointers(lmp), cells_bit_(cells_bit), tracers_bit_(tracers_bit), n_ranks_(comm->nprocs)
+  Surveyor(LAMMPS *lmp, const NodeGroups &groups) :
+      Pointers(lmp), groups_(groups), n_ranks_(comm->nprocs)
   {
   }
 
@@ -104,9 +104,10 @@ class Surveyor : protected Pointers {
     int64_t none = kNone, both = kNone, molecule = kNone;
     for (const auto &entry : records_) {
       const AtomRecord &r = entry.second;
-      const bool cell = r.mask & cells_bit_, tracer = r.mask & tracers_bit_;
+      const bool cell = groups_.is_cell(r.mask), tracer = groups_.is_tracer(r.mask);
       if (!cell && !tracer) none = std::min(none, r.tag);
-      if (cell && tracer) both = std::min(both, r.tag);
+      if (groups_.cells == NodeGroups::Cells::Named && tracer && (r.mask & groups_.cells_bit))
+        both = std::min(both, r.tag);
       if (cell && r.molecule <= 0) molecule = std::min(molecule, r.tag);
       if (cell) survey_.n_cells = std::max(survey_.n_cells, static_cast<int>(r.molecule));
     }
@@ -176,7 +177,7 @@ class Surveyor : protected Pointers {
       for (int v = 0; v < 3; v++) {
         const AtomRecord &r = corners[t + v];
         x[v] = biem::Vec3(r.x[0], r.x[1], r.x[2]);
-        if (!(r.mask & cells_bit_)) tracer = std::min(tracer, r.tag);
+        if (!groups_.is_cell(r.mask)) tracer = std::min(tracer, r.tag);
         if (r.molecule != corners[t].molecule) mixed = std::min(mixed, r.tag);
       }
       double sum = 0.0;
@@ -244,8 +245,8 @@ class Surveyor : protected Pointers {
     bigint n = 0;
     for (const auto &entry : records_) {
       const AtomRecord &r = entry.second;
-      if ((r.mask & cells_bit_) && !r.is_vertex) loose = std::min(loose, r.tag);
-      if ((r.mask & tracers_bit_) && r.is_vertex) tracer = std::min(tracer, r.tag);
+      if (groups_.is_cell(r.mask) && !r.is_vertex) loose = std::min(loose, r.tag);
+      if (groups_.is_tracer(r.mask) && r.is_vertex) tracer = std::min(tracer, r.tag);
       n += r.is_vertex;
     }
     fail_if(smallest(loose), "atom",
@@ -264,16 +265,17 @@ class Surveyor : protected Pointers {
                        "): list the nodes of each angle counter-clockwise from outside");
   }
 
-  int cells_bit_, tracers_bit_, n_ranks_;
+  NodeGroups groups_;
+  int n_ranks_;
   std::unordered_map<int64_t, AtomRecord> records_;
   MeshSurvey survey_;
 };
 
 }    // namespace
 
-MeshSurvey survey_meshes(LAMMPS *lmp, int cells_bit, int tracers_bit)
+MeshSurvey survey_meshes(LAMMPS *lmp, const NodeGroups &groups)
 {
-  return Surveyor(lmp, cells_bit, tracers_bit).run();
+  return Surveyor(lmp, groups).run();
 }
 
 }    // namespace LAMMPS_NS

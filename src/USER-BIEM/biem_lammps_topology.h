@@ -11,6 +11,16 @@ namespace LAMMPS_NS {
 
 class LAMMPS;
 
+// Which atoms are mesh nodes and which are tracers, by group bits.
+struct NodeGroups {
+  enum class Cells { Named, Rest };    // named by 'cells', or all atoms of the fix but tracers
+  Cells cells = Cells::Rest;
+  int cells_bit = 0, tracers_bit = 0;
+
+  bool is_tracer(int mask) const { return mask & tracers_bit; }
+  bool is_cell(int mask) const { return (mask & cells_bit) && !is_tracer(mask); }
+};
+
 struct MeshSurvey {
   int n_cells = 0;                  // largest molecule id of a surface
   bigint n_nodes = 0;               // atoms on surfaces
@@ -20,9 +30,9 @@ struct MeshSurvey {
   std::vector<double> volumes;      // by molecule id - 1, positive
 };
 
-// Atoms in cells_bit must all be vertices of triangles (angles); atoms in tracers_bit of none.
+// All cell atoms must be vertices of triangles (angles), tracers of none.
 // Stops through error->all() naming molecule or atom. Collective.
-MeshSurvey survey_meshes(LAMMPS *lmp, int cells_bit, int tracers_bit);
+MeshSurvey survey_meshes(LAMMPS *lmp, const NodeGroups &groups);
 
 }    // namespace LAMMPS_NS
 

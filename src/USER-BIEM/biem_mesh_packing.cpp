@@ -266,8 +266,13 @@ void check_placement(const PackingRequest &request, const RigidPlacement &placem
 
 Mat3 compute_rotation_to_axis(const Vec3 &axis, double roll)
 {
-  const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis);
-  return tilt.toRotationMatrix() * Eigen::AngleAxisd(roll, Vec3::UnitZ()).toRotationMatrix();
+  const Vec3 z = axis.normalized();
+  const Vec3 turn = Vec3::UnitZ().cross(z);
+  // a half turn for the opposite direction has no unique axis: take x
+  const Vec3 about = turn.norm() > 1e-14 ? Vec3(turn.normalized()) : Vec3(Vec3::UnitX());
+  const double angle = std::atan2(turn.norm(), z[2]);
+  return Eigen::AngleAxisd(angle, about).toRotationMatrix() *
+      Eigen::AngleAxisd(roll, Vec3::UnitZ()).toRotationMatrix();
 }
 
 }    // namespace biem

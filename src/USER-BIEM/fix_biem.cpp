@@ -3,6 +3,7 @@
 #include "atom.h"
 #include "biem_lammps_bridge.h"
 #include "biem_lammps_compat.h"
+#include "biem_lammps_report.h"
 #include "biem_lammps_script_check.h"
 #include "biem_lammps_settings.h"
 #include "biem_lammps_sheared_box.h"
@@ -49,7 +50,7 @@ struct FixBiem::Impl {
   biem::Evaluation evaluation;
   biem::CellVolumes volumes;
   NeighList *list = nullptr;
-  int cells_bit = 0, tracers_bit = 0;
+  NodeGroups groups;
   double list_cutoff = 0.0;
   double own_comm_cutoff = -1.0;    // what this fix has set itself
   ShearedBox box;
@@ -131,21 +132,10 @@ void FixBiem::init()
   check_script(lmp, this);
   const FixBiemSettings &s = impl->settings;
   auto bit = [&](const std::string &name) { return group->bitmask[group->find(name.c_str())]; };
-  impl->tracers_bit = s.tracers.empty() ? 0 : bit(s.tracers);
-  impl->cells_bit = s.cells.empty() ? 0 : bit(s.cells);
-  if (s.cells.empty()) {    // all atoms of the fix that are not tracers
-    const std::string name = std::string(id) + "_cells";
-    const int old = group->find(name.c_str());
-    if (old < 0) {
-      std::string command = name + " subtract " + group->names[igroup];
-      if (s.tracers.empty())
-        command = name + " union " + group->names[igroup];
-      else
-        command += " " + s.tracers;
-      group->assign(command);
-    }
-    impl->cells_bit = bit(name);
-  }
+  NodeGroups &groups = impl->groups;
+  groups.cells = s.cells.empty() ? NodeGroups::Cells::Rest : NodeGroups::Cells::Named;
+  groups.cells_bit = s.cells.empty() ? groupbit : bit(s.cells);
+  groups.tracers_bit = s.tracers.empty() ? 0 : bit(s.tracers);
   prepare_scene();
   BiemCompat::request_full_list(neighbor, this, instance_me, impl->list_cutoff);
 }
@@ -153,7 +143,7 @@ void FixBiem::init()
 void FixBiem::prepare_scene()
 {
   Impl &m = *impl;
-  m.survey = survey_meshes(lmp, m.cells_bit, m.tracers_bit);
+  m.survey = survey_meshes(lmp, m.groups);
   const MeshSurvey &survey = m.survey;
   const double shortest =
       std::min({domain->xprd, domain->yprd, domain->zprd});
@@ -196,33 +186,11 @@ void FixBiem::prepare_scene()
   m.list_cutoff = edge + kEdgeGrowth * biem::kNearFactor * survey.longest_mean_edge;
   const double cutoff = m.suspension->parameters().cutoff;
   check_cutoffs(std::max(m.list_cutoff, cutoff + edge) + neighbor->skin);
-  m.scene = std::make_unique<LammpsScene>(lmp, m.cells_bit, m.list_cutoff);
+  m.scene = std::make_unique<LammpsScene>(lmp, m.groups, m.list_cutoff);
   m.box.start();
-  report();
-}
-
-void FixBiem::report()
-{
-  if (comm->me != 0) return;
-  const Impl &m = *impl;
-  const biem::EwaldParameters &p = m.suspension->parameters();
-  const MeshSurvey &s = m.survey;
-  const double nodes = s.n_cells > 0 ? static_cast<double>(s.n_nodes) / s.n_cells : 0.0;
-  std::string text = fmt::format(
-      "Fix biem: {} cells, {} nodes, {} triangles, {} tracers; viscosity ratio 1: one single-layer "
-      "evaluation per step\n", s.n_cells, s.n_nodes, s.n_triangles, atom->natoms - s.n_nodes);
-  text += "  " + describe_units(lmp) + "\n";
-  text += fmt::format("  periodic sum (SPME): requested error {:.2g}, expected {:.2g}; cutoff "
-                      "{:.4g}, splitting {:.4g}, grid {} x {} x {}, B-spline order {}\n",
-                      p.tolerance, p.expected_error, p.cutoff, p.splitting, p.grid[0], p.grid[1],
-                      p.grid[2], p.order);
-  if (nodes > 0)
-    text += fmt::format("  surfaces: {:.0f} nodes a cell, longest edge {:.4g}; expected error of a "
-                        "smooth traction on flat triangles {:.2g} %\n",
-                        nodes, s.longest_edge, 0.55 * 642.0 / nodes);
-  text += fmt::format("  communication cutoff {:.4g}, near list cutoff {:.4g}\n",
-                      comm->cutghostuser, m.list_cutoff);
-  utils::logmesg(lmp, text);
+  const double cutoffs[2] = {comm->cutghostuser, m.list_cutoff};
+  if (comm->me == 0)
+    utils::logmesg(lmp, describe_setup(lmp, m.survey, m.suspension->parameters(), cutoffs));
 }
 
 void FixBiem::init_list(int, NeighList *list) { impl->list = list; }
@@ -275,7 +243,7 @@ void FixBiem::check_forces()
                      " (molecule " + std::to_string(atom->molecule[i]) +
                      ") is not a number at step " + std::to_string(update->ntimestep) +
                      ": the membrane has become unstable or folded; use a smaller timestep");
-    if ((atom->mask[i] & impl->tracers_bit) && (f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0))
+    if (impl->groups.is_tracer(atom->mask[i]) && (f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0))
       error->one(FLERR, "Fix biem: a force acts on tracer " + std::to_string(atom->tag[i]) +
                      ", but tracers only follow the flow; take it out of the group of the fix or "
                      "pair style that causes the force");
@@ -363,12 +331,10 @@ void FixBiem::write_restart(FILE *file)
 {
   if (comm->me != 0) return;
   const Impl &m = *impl;
-  const biem::EwaldParameters &p = m.ewald;
   std::vector<double> list = m.box.get_state();
-  list.insert(list.end(), {m.own_comm_cutoff, p.cutoff, p.splitting, p.band_limit,
-                           static_cast<double>(p.order), static_cast<double>(p.grid[0]),
-                           static_cast<double>(p.grid[1]), static_cast<double>(p.grid[2]),
-                           p.tolerance, p.expected_error, m.ewald_lengths[0], m.ewald_lengths[1],
+  const std::vector<double> ewald = to_state(m.ewald);
+  list.insert(list.end(), ewald.begin(), ewald.end());
+  list.insert(list.end(), {m.own_comm_cutoff, m.ewald_lengths[0], m.ewald_lengths[1],
                            m.ewald_lengths[2], static_cast<double>(m.volumes.reference.size())});
   list.insert(list.end(), m.volumes.reference.begin(), m.volumes.reference.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
@@ -380,17 +346,11 @@ void FixBiem::restart(char *buffer)
 {
   const double *next = reinterpret_cast<const double *>(buffer);
   Impl &m = *impl;
-  biem::EwaldParameters &p = m.ewald;
   m.box.set_state(next);
   next += ShearedBox::kStateSize;
+  m.ewald = to_ewald_parameters(next);
+  next += kEwaldStateSize;
   m.own_comm_cutoff = *next++;
-  p.cutoff = *next++;
-  p.splitting = *next++;
-  p.band_limit = *next++;
-  p.order = static_cast<int>(*next++);
-  for (int a = 0; a < 3; a++) p.grid[a] = static_cast<int>(*next++);
-  p.tolerance = *next++;
-  p.expected_error = *next++;
   for (int a = 0; a < 3; a++) m.ewald_lengths[a] = *next++;
   const int n_cells = static_cast<int>(*next++);
   m.volumes.reference.assign(next, next + n_cells);

@@ -52,7 +52,6 @@ class FixBiem : public Fix {
 
   void check_cutoffs(double needed);
   void prepare_scene();
-  void report();
   void evaluate();
   void check_forces();
   void publish();

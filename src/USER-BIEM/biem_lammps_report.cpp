@@ -1,0 +1,66 @@
+// Setup report: see the header.
+#include "biem_lammps_report.h"
+#include "atom.h"
+#include "pointers.h"
+#include "update.h"
+#include "fmt/format.h"
+#include <map>
+
+namespace LAMMPS_NS {
+
+namespace {
+
+// Error of the velocity of a smooth traction on flat triangles: 0.55 % at 642 nodes a cell, second
+// order (doc/validation.md).
+constexpr double kSmoothErrorPercent = 0.55, kSmoothErrorNodes = 642.0;
+
+class Scene : protected Pointers {
+ public:
+  explicit Scene(LAMMPS *lmp) : Pointers(lmp) {}
+  std::string unit_style() const { return update->unit_style; }
+  bigint n_atoms() const { return atom->natoms; }
+};
+
+// In which units moduli and viscosity are.
+std::string describe_units(const std::string &style)
+{
+  static const std::map<std::string, std::string> text = {
+      {"lj", "dimensionless: lengths, times and viscosity as chosen by the input script, ES and ED "
+             "in viscosity * length / time, EB in viscosity * length^3 / time"},
+      {"si", "viscosity in Pa s, ES and ED in N/m, EB in J"},
+      {"cgs", "viscosity in poise, ES and ED in dyn/cm, EB in erg"},
+      {"micro", "viscosity in pg/(um us) = mPa s, ES and ED in pg/us^2 = mN/m, EB in pg um^2/us^2 "
+                "= 1e-15 J"},
+      {"nano", "viscosity in ag/(nm ns) = mPa s, ES and ED in ag/ns^2 = mN/m, EB in ag nm^2/ns^2 = "
+               "1e-21 J"},
+      {"real", "viscosity in poise, ES and ED in kcal/(mol Angstrom^2), EB in kcal/mol"},
+      {"metal", "viscosity in poise, ES and ED in eV/Angstrom^2, EB in eV"}};
+  return "units " + style + ": " + (text.count(style) ? text.at(style) : "as documented by LAMMPS");
+}
+
+}    // namespace
+
+std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldParameters &p,
+                           const double cutoffs[2])
+{
+  const Scene scene(lmp);
+  std::string text = fmt::format("Fix biem: {} cells, {} nodes, {} triangles, {} tracers\n",
+                                 s.n_cells, s.n_nodes, s.n_triangles, scene.n_atoms() - s.n_nodes);
+  text += "  viscosity ratio 1: one evaluation of the single layer per step, nothing to solve\n";
+  text += "  " + describe_units(scene.unit_style()) + "\n";
+  text += fmt::format("  periodic sum (SPME): requested error {:.2g}, expected {:.2g}\n"
+                      "    cutoff {:.4g}, splitting {:.4g}, grid {} x {} x {}, B-spline order {}\n",
+                      p.tolerance, p.expected_error, p.cutoff, p.splitting, p.grid[0], p.grid[1],
+                      p.grid[2], p.order);
+  if (s.n_cells > 0) {
+    const double nodes = static_cast<double>(s.n_nodes) / s.n_cells;
+    text += fmt::format("  surfaces: {:.0f} nodes a cell, longest edge {:.4g}; expected error with a "
+                        "smooth traction {:.2g} %\n",
+                        nodes, s.longest_edge, kSmoothErrorPercent * kSmoothErrorNodes / nodes);
+  }
+  text += fmt::format("  communication cutoff {:.4g}, near list cutoff {:.4g}\n", cutoffs[0],
+                      cutoffs[1]);
+  return text;
+}
+
+}    // namespace LAMMPS_NS
