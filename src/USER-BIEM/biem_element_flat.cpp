@@ -21,7 +21,8 @@ void FlatElements::set_geometry(PointsView nodes, const std::vector<Triangle> &t
   frames_.resize(n);
   mean_edges_.resize(n);
   for (size_t e = 0; e < n; e++) {
-    for (int v = 0; v < 3; v++) corners_[e][v] = nodes.col(triangles[e][v]);
+    for (int v = 0; v < 3; v++)
+      corners_[e][v] = nodes.col(triangles[e][v]);
     const Vec3 &a = corners_[e][0], &b = corners_[e][1], &c = corners_[e][2];
     frames_[e] = make_triangle_frame(a, b, c);
     mean_edges_[e] = ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0;
@@ -41,7 +42,8 @@ Vec3 FlatElements::centroid(int e) const
 void FlatElements::add_nodal_areas(Eigen::Ref<Eigen::VectorXd> areas) const
 {
   for (int e = 0; e < n_elements(); e++)
-    for (int v = 0; v < 3; v++) areas[triangles_[e][v]] += area(e) / 3.0;
+    for (int v = 0; v < 3; v++)
+      areas[triangles_[e][v]] += area(e) / 3.0;
 }
 
 void FlatElements::add_volume_gradient(PointsRef gradient) const
@@ -50,7 +52,8 @@ void FlatElements::add_volume_gradient(PointsRef gradient) const
   // closed surface only in the sum, while each term stays of the size of the triangle's area.
   for (int e = 0; e < n_elements(); e++) {
     const Vec3 share = frames_[e].normal * (frames_[e].twice_area / 6.0);
-    for (int v = 0; v < 3; v++) gradient.col(triangles_[e][v]) += share;
+    for (int v = 0; v < 3; v++)
+      gradient.col(triangles_[e][v]) += share;
   }
 }
 
@@ -61,7 +64,8 @@ double FlatElements::volume(int e, const Vec3 &origin) const
 
 void FlatElements::compute_interior_points(PointsRef points) const
 {
-  for (int e = 0; e < n_elements(); e++) points.col(e) = centroid(e);
+  for (int e = 0; e < n_elements(); e++)
+    points.col(e) = centroid(e);
 }
 
 void FlatElements::compute_interior_strengths(PointsView density, PointsRef strengths) const
@@ -69,7 +73,7 @@ void FlatElements::compute_interior_strengths(PointsView density, PointsRef stre
   for (int e = 0; e < n_elements(); e++) {
     const Triangle &t = triangles_[e];
     strengths.col(e) = (kCentroidWeight * area(e) / 3.0) *
-        (density.col(t[0]) + density.col(t[1]) + density.col(t[2]));
+                       (density.col(t[0]) + density.col(t[1]) + density.col(t[2]));
   }
 }
 
@@ -78,7 +82,8 @@ void FlatElements::add_mass_product(PointsView density, PointsRef result) const
   for (int e = 0; e < n_elements(); e++) {
     const Triangle &t = triangles_[e];
     const Vec3 sum = density.col(t[0]) + density.col(t[1]) + density.col(t[2]);
-    for (int v = 0; v < 3; v++) result.col(t[v]) += (area(e) / 12.0) * (sum + density.col(t[v]));
+    for (int v = 0; v < 3; v++)
+      result.col(t[v]) += (area(e) / 12.0) * (sum + density.col(t[v]));
   }
 }
 
@@ -94,9 +99,11 @@ void FlatElements::prepare_near(PointsView density)
   rule_strengths_.resize(triangles_.size());
   for (int e = 0; e < n_elements(); e++) {
     Mat3 f;
-    for (int v = 0; v < 3; v++) f.col(v) = density.col(triangles_[e][v]);
+    for (int v = 0; v < 3; v++)
+      f.col(v) = density.col(triangles_[e][v]);
     densities_[e] = make_linear_density(frames_[e], f);
-    for (int v = 0; v < 3; v++) rule_strengths_[e][v] = (kVertexWeight * area(e)) * f.col(v);
+    for (int v = 0; v < 3; v++)
+      rule_strengths_[e][v] = (kVertexWeight * area(e)) * f.col(v);
     rule_strengths_[e][3] = (kCentroidWeight * area(e) / 3.0) * f.rowwise().sum();
   }
 }

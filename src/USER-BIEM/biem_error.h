@@ -1,5 +1,6 @@
-// The one exception of the core. The message says who, which value, the likely cause and what to do.
-// The core never prints and never exits; the LAMMPS bridge turns an Error into error->all()/one().
+// The one exception of the core. The message says who, which value, the likely cause and what to
+// do. The core never prints and never exits; the LAMMPS bridge turns an Error into
+// error->all()/one().
 #ifndef BIEM_ERROR_H
 #define BIEM_ERROR_H
 

@@ -17,7 +17,8 @@ void compute_window_sums(int order, double frequency, double &square, double &al
   };
   square = power(frequency);
   aliases = 0.0;
-  for (int m = kAliases; m >= 1; m--) aliases += power(frequency + m) + power(frequency - m);
+  for (int m = kAliases; m >= 1; m--)
+    aliases += power(frequency + m) + power(frequency - m);
 }
 
 }    // namespace
@@ -38,7 +39,8 @@ int compute_bspline_weights(int order, double s, double *w)
       value[i] = scale * ((u + i) * value[i] + (n - u - i) * value[i - 1]);
     value[0] *= scale * u;
   }
-  for (int j = 0; j < order; j++) w[j] = value[order - 1 - j];
+  for (int j = 0; j < order; j++)
+    w[j] = value[order - 1 - j];
   return static_cast<int>(floor_left) + 1;
 }
 

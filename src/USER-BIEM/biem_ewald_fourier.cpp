@@ -52,9 +52,9 @@ FourierSum::FourierSum(MPI_Comm comm, const EwaldParameters &parameters) :
   p.grid = fftw_alloc_real(p.size > 0 ? p.size : 1);
   // FFTW_ESTIMATE: measured plans differ from run to run and with them the last digits.
   auto *complex_grid = reinterpret_cast<fftw_complex *>(p.grid);
-  p.forward = fftw_mpi_plan_many_dft_r2c(3, n, 3, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
-                                         p.grid, complex_grid, comm,
-                                         FFTW_ESTIMATE | FFTW_MPI_TRANSPOSED_OUT);
+  p.forward =
+      fftw_mpi_plan_many_dft_r2c(3, n, 3, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK, p.grid,
+                                 complex_grid, comm, FFTW_ESTIMATE | FFTW_MPI_TRANSPOSED_OUT);
   p.backward = fftw_mpi_plan_many_dft_c2r(3, n, 3, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
                                           complex_grid, p.grid, comm,
                                           FFTW_ESTIMATE | FFTW_MPI_TRANSPOSED_IN);
@@ -119,8 +119,8 @@ void FourierSum::set_points(PointsView sources, PointsView targets)
 
 double &FourierSum::grid_at(int plane, int row)
 {
-  return plans_->grid[(static_cast<ptrdiff_t>(plane) * parameters_.grid[1] + row) *
-                      plans_->padded * 3];
+  return plans_
+      ->grid[(static_cast<ptrdiff_t>(plane) * parameters_.grid[1] + row) * plans_->padded * 3];
 }
 
 void FourierSum::spread(const Windows &w, const Points &strengths)
@@ -133,7 +133,8 @@ void FourierSum::spread(const Windows &w, const Points &strengths)
     const int *first = &w.first[3 * i];
     const double *w0 = &w.weights[3 * order * i], *w1 = w0 + order, *w2 = w1 + order;
     for (int k = 0; k < order; k++)
-      for (int c = 0; c < 3; c++) column[3 * k + c] = w2[k] * strengths(c, i);
+      for (int c = 0; c < 3; c++)
+        column[3 * k + c] = w2[k] * strengths(c, i);
     // the run along axis 2 may wrap: split it once
     const int head = 3 * std::min(order, m2 - first[2]);
     for (int a = 0; a < order; a++) {
@@ -143,8 +144,10 @@ void FourierSum::spread(const Windows &w, const Points &strengths)
         const double weight = w0[a] * w1[b];
         double *row = &grid_at(plane, (first[1] + b) % m1);
         double *run = row + 3 * first[2];
-        for (int k = 0; k < head; k++) run[k] += weight * column[k];
-        for (int k = head; k < 3 * order; k++) row[k - head] += weight * column[k];
+        for (int k = 0; k < head; k++)
+          run[k] += weight * column[k];
+        for (int k = head; k < 3 * order; k++)
+          row[k - head] += weight * column[k];
       }
     }
   }
@@ -168,13 +171,16 @@ void FourierSum::interpolate(const Windows &w, Points &values) const
         const double weight = w0[a] * w1[b];
         const double *row = &self->grid_at(plane, (first[1] + b) % m1);
         const double *run = row + 3 * first[2];
-        for (int k = 0; k < head; k++) column[k] += weight * run[k];
-        for (int k = head; k < 3 * order; k++) column[k] += weight * row[k - head];
+        for (int k = 0; k < head; k++)
+          column[k] += weight * run[k];
+        for (int k = head; k < 3 * order; k++)
+          column[k] += weight * row[k - head];
       }
     }
     values.col(i).setZero();
     for (int k = 0; k < order; k++)
-      for (int c = 0; c < 3; c++) values(c, i) += w2[k] * column[3 * k + c];
+      for (int c = 0; c < 3; c++)
+        values(c, i) += w2[k] * column[3 * k + c];
   }
 }
 
@@ -187,7 +193,9 @@ void FourierSum::apply_kernel()
   const double limit2 = parameters_.band_limit * parameters_.band_limit;
   const double scale = 8.0 * M_PI / std::fabs(cell_.determinant());
   auto *grid = reinterpret_cast<std::complex<double> *>(plans_->grid);
-  auto signed_mode = [](int n, int m) { return n <= m / 2 ? n : n - m; };
+  auto signed_mode = [](int n, int m) {
+    return n <= m / 2 ? n : n - m;
+  };
   for (ptrdiff_t row = 0; row < plans_->n_rows; row++) {
     const int n1 = static_cast<int>(plans_->first_row + row);
     for (int n0 = 0; n0 < m0; n0++) {
@@ -203,9 +211,9 @@ void FourierSum::apply_kernel()
           continue;
         }
         const double g = factor * influence_[2][n2] * split.fourier_factor(k2) / k2;
-        const std::complex<double> along =
-            (k[0] * mode[0] + k[1] * mode[1] + k[2] * mode[2]) / k2;
-        for (int c = 0; c < 3; c++) mode[c] = g * (mode[c] - k[c] * along);
+        const std::complex<double> along = (k[0] * mode[0] + k[1] * mode[1] + k[2] * mode[2]) / k2;
+        for (int c = 0; c < 3; c++)
+          mode[c] = g * (mode[c] - k[c] * along);
       }
     }
   }

@@ -23,7 +23,8 @@ class FourierSum {
   // cell: columns = lattice vectors, upper triangular; origin: its corner. The tilts are first
   // reduced to [-1/2, 1/2) of the lattice vector, so that a flip of the box changes nothing.
   void set_cell(const Mat3 &cell, const Vec3 &origin);
-  // This rank's sources and targets anywhere in space (3 x n): routed, windows computed. Collective.
+  // This rank's sources and targets anywhere in space (3 x n): routed, windows computed.
+  // Collective.
   void set_points(PointsView sources, PointsView targets);
   // velocities (3 x n_targets) += Fourier part for strengths (3 x n_sources). Collective.
   void add_single_layer(PointsView strengths, PointsRef velocities);

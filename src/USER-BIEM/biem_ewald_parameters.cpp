@@ -21,7 +21,10 @@ constexpr double kPairCost = 8.0;
 constexpr double kGridVisitCost = 0.55;    // per window point, source or target, three components
 constexpr double kGridPointCost = 25.0;    // FFTs and scaling of a 32^3 grid, three components
 
-double volume(const EwaldScene &s) { return std::fabs(s.cell.determinant()); }
+double volume(const EwaldScene &s)
+{
+  return std::fabs(s.cell.determinant());
+}
 
 // Length of each lattice vector in the worst tilt.
 Vec3 worst_lengths(const EwaldScene &s)
@@ -37,24 +40,24 @@ double reference_square(const EwaldScene &s)
 {
   const double length = std::cbrt(volume(s));
   return 2.0 / 3.0 * std::pow(8.0 * M_PI, 2) * 16.5323 /
-      (std::pow(2.0 * M_PI, 4) * length * length);
+         (std::pow(2.0 * M_PI, 4) * length * length);
 }
 
 double real_error(const EwaldScene &s, double xi, double cutoff)
 {
   return std::sqrt(4.0 * cutoff / volume(s) / reference_square(s)) *
-      std::exp(-std::pow(xi * cutoff, 2));
+         std::exp(-std::pow(xi * cutoff, 2));
 }
 
 double truncation_error(const EwaldScene &s, double xi, double x)    // x = band limit / 2 xi
 {
   return std::sqrt(8.0 * x / (3.0 * volume(s) * xi) / reference_square(s)) * (1.0 + 1.0 / (x * x)) *
-      std::exp(-x * x);
+         std::exp(-x * x);
 }
 
 // Aliasing of a grid with spacing h along each axis: the mode sum as an isotropic integral.
-double aliasing_error(const EwaldScene &s, double xi, double band_limit,
-                      const AliasingTable &table, double h)
+double aliasing_error(const EwaldScene &s, double xi, double band_limit, const AliasingTable &table,
+                      double h)
 {
   constexpr int kRadial = 48, kPolar = 12;
   const GaussianSplit split(xi);
@@ -94,8 +97,8 @@ double cost(const EwaldScene &s, const EwaldParameters &p)
 {
   const double points = static_cast<double>(p.grid[0]) * p.grid[1] * p.grid[2];
   return kPairCost * s.n_targets * expected_neighbors(s, p.cutoff) +
-      kGridVisitCost * std::pow(p.order, 3) * (s.n_sources + s.n_targets) +
-      kGridPointCost * points * std::log2(points) / 15.0;
+         kGridVisitCost * std::pow(p.order, 3) * (s.n_sources + s.n_targets) +
+         kGridPointCost * points * std::log2(points) / 15.0;
 }
 
 EwaldParameters make_candidate(const EwaldScene &s, double cutoff, int order,
@@ -113,9 +116,9 @@ EwaldParameters make_candidate(const EwaldScene &s, double cutoff, int order,
       2.0 * xi * find_root([&](double x) { return truncation_error(s, xi, x); }, share, 0.8, 12.0);
   const double finest = 0.05 * M_PI / p.band_limit, coarsest = M_PI / p.band_limit;
   // Aliasing falls with 1/h; the root is found in 1/h so that the function decreases.
-  const double inverse = find_root(
-      [&](double q) { return aliasing_error(s, xi, p.band_limit, table, 1.0 / q); }, share,
-      1.0 / coarsest, 1.0 / finest);
+  const double inverse =
+      find_root([&](double q) { return aliasing_error(s, xi, p.band_limit, table, 1.0 / q); },
+                share, 1.0 / coarsest, 1.0 / finest);
   const Vec3 lengths = worst_lengths(s);
   for (int a = 0; a < 3; a++)
     p.grid[a] = next_fft_size(std::max(order, static_cast<int>(std::ceil(lengths[a] * inverse))));
@@ -129,7 +132,8 @@ int next_fft_size(int n)
   for (;; n++) {
     int rest = n;
     for (int prime : {2, 3, 5, 7})
-      while (rest % prime == 0) rest /= prime;
+      while (rest % prime == 0)
+        rest /= prime;
     if (rest == 1) return n;
   }
 }
@@ -138,7 +142,7 @@ double compute_expected_error(const EwaldScene &s, const EwaldParameters &p)
 {
   const Vec3 lengths = worst_lengths(s);
   double square = std::pow(real_error(s, p.splitting, p.cutoff), 2) +
-      std::pow(truncation_error(s, p.splitting, p.band_limit / (2.0 * p.splitting)), 2);
+                  std::pow(truncation_error(s, p.splitting, p.band_limit / (2.0 * p.splitting)), 2);
   const AliasingTable table(p.order);
   for (int a = 0; a < 3; a++) {
     const double alias =

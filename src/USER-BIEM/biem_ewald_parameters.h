@@ -10,9 +10,9 @@ namespace biem {
 
 // What the choice depends on.
 struct EwaldScene {
-  Mat3 cell;               // columns: lattice vectors, at rest
-  double max_tilt = 0.0;   // |xz| that the cell may reach while it shears [length]
-  double n_sources = 0.0;  // in the whole cell
+  Mat3 cell;                 // columns: lattice vectors, at rest
+  double max_tilt = 0.0;     // |xz| that the cell may reach while it shears [length]
+  double n_sources = 0.0;    // in the whole cell
   double n_targets = 0.0;
   double body_sources = 0.0;    // sources of one closed surface (0: points are spread evenly)
   double body_radius = 0.0;     // its equivalent radius [length]
@@ -22,11 +22,11 @@ struct EwaldScene {
 };
 
 struct EwaldParameters {
-  double cutoff = 0.0;        // real-space cutoff [length]
-  double splitting = 0.0;     // Gaussian splitting xi [1/length]
-  double band_limit = 0.0;    // largest |k| kept [1/length]
-  int order = 0;              // B-spline order
-  std::array<int, 3> grid{};  // points along each lattice vector
+  double cutoff = 0.0;            // real-space cutoff [length]
+  double splitting = 0.0;         // Gaussian splitting xi [1/length]
+  double band_limit = 0.0;        // largest |k| kept [1/length]
+  int order = 0;                  // B-spline order
+  std::array<int, 3> grid{};      // points along each lattice vector
   double tolerance = 0.0;         // requested
   double expected_error = 0.0;    // predicted, same norm
 };

@@ -37,7 +37,7 @@ class RealSpaceSum {
   std::vector<int> target_start_, target_order_, source_start_, source_order_;
   std::array<std::vector<double>, 6> sorted_;      // sources in cell order: x y z, strength
   std::array<std::vector<double>, 6> gathered_;    // candidates around one search cell
-  std::array<std::vector<double>, 6> close_;       // those within the cutoff: displacement, strength
+  std::array<std::vector<double>, 6> close_;    // those within the cutoff: displacement, strength
   std::vector<double> distance2_;
   long n_pairs_ = 0;
 };

@@ -31,8 +31,7 @@ void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView 
   const int n_planes = static_cast<int>(layout.owner.size());
   std::vector<std::vector<int>> destinations(n_ranks);
   for (int i = 0; i < fractional.cols(); i++) {
-    const int first =
-        static_cast<int>(std::floor(fractional(0, i) * n_planes - 0.5 * order)) + 1;
+    const int first = static_cast<int>(std::floor(fractional(0, i) * n_planes - 0.5 * order)) + 1;
     std::array<int, kMaxBsplineOrder> seen{};
     int n_seen = 0;
     for (int j = 0; j < order; j++) {
@@ -65,7 +64,8 @@ void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView 
 void SlabRouter::send(PointsView values, Points &routed) const
 {
   Points buffer(3, send_index_.size());
-  for (size_t i = 0; i < send_index_.size(); i++) buffer.col(i) = values.col(send_index_[i]);
+  for (size_t i = 0; i < send_index_.size(); i++)
+    buffer.col(i) = values.col(send_index_[i]);
   routed.resize(3, routed_.cols());
   MPI_Alltoallv(buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, routed.data(),
                 receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE, comm_);
@@ -77,7 +77,8 @@ void SlabRouter::return_add(PointsView routed, PointsRef values) const
   Points buffer(3, send_index_.size());
   MPI_Alltoallv(out.data(), receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE,
                 buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, comm_);
-  for (size_t i = 0; i < send_index_.size(); i++) values.col(send_index_[i]) += buffer.col(i);
+  for (size_t i = 0; i < send_index_.size(); i++)
+    values.col(send_index_[i]) += buffer.col(i);
 }
 
 }    // namespace biem

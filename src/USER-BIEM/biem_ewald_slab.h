@@ -10,8 +10,8 @@ namespace biem {
 
 // Planes of the first grid dimension owned by each rank.
 struct SlabLayout {
-  std::vector<int> owner;    // plane -> rank
-  int first = 0, count = 0;  // planes of this rank
+  std::vector<int> owner;      // plane -> rank
+  int first = 0, count = 0;    // planes of this rank
 };
 
 SlabLayout make_slab_layout(MPI_Comm comm, int n_planes, int first, int count);

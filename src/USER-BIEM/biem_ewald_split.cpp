@@ -19,9 +19,11 @@ std::vector<double> fit_polynomial(const std::function<double(double)> &f, doubl
 {
   const int n = 2 * kMaxDegree;
   std::vector<double> sample(n), chebyshev(n, 0.0);
-  for (int j = 0; j < n; j++) sample[j] = f(std::cos(M_PI * (j + 0.5) / n));
+  for (int j = 0; j < n; j++)
+    sample[j] = f(std::cos(M_PI * (j + 0.5) / n));
   for (int k = 0; k < n; k++) {
-    for (int j = 0; j < n; j++) chebyshev[k] += sample[j] * std::cos(M_PI * k * (j + 0.5) / n);
+    for (int j = 0; j < n; j++)
+      chebyshev[k] += sample[j] * std::cos(M_PI * k * (j + 0.5) / n);
     chebyshev[k] *= (k == 0 ? 1.0 : 2.0) / n;
   }
   int degree = n - 1;
@@ -35,10 +37,13 @@ std::vector<double> fit_polynomial(const std::function<double(double)> &f, doubl
   std::vector<double> result(degree + 1, 0.0), previous{1.0}, current{0.0, 1.0};
   result[0] = chebyshev[0];
   for (int k = 1; k <= degree; k++) {
-    for (size_t i = 0; i < current.size(); i++) result[i] += chebyshev[k] * current[i];
+    for (size_t i = 0; i < current.size(); i++)
+      result[i] += chebyshev[k] * current[i];
     std::vector<double> next(current.size() + 1, 0.0);
-    for (size_t i = 0; i < current.size(); i++) next[i + 1] = 2.0 * current[i];
-    for (size_t i = 0; i < previous.size(); i++) next[i] -= previous[i];
+    for (size_t i = 0; i < current.size(); i++)
+      next[i + 1] = 2.0 * current[i];
+    for (size_t i = 0; i < previous.size(); i++)
+      next[i] -= previous[i];
     previous = std::move(current);
     current = std::move(next);
   }
@@ -85,9 +90,11 @@ RealSpaceKernel GaussianSplit::make_real_space_kernel(double cutoff, double tole
 {
   RealSpaceKernel kernel;
   kernel.cutoff = cutoff;
-  auto radius = [cutoff](double v) { return cutoff * std::sqrt(0.5 * (v + 1.0)); };
-  kernel.isotropic = fit_polynomial([&](double v) { return isotropic_remainder(radius(v)); },
-                                    tolerance / cutoff);
+  auto radius = [cutoff](double v) {
+    return cutoff * std::sqrt(0.5 * (v + 1.0));
+  };
+  kernel.isotropic =
+      fit_polynomial([&](double v) { return isotropic_remainder(radius(v)); }, tolerance / cutoff);
   kernel.dyadic = fit_polynomial([&](double v) { return dyadic_remainder(radius(v)); },
                                  tolerance / (cutoff * cutoff * cutoff));
   return kernel;

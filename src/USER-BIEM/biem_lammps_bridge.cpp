@@ -84,8 +84,14 @@ constexpr double kListMargin = 1.1;
 
 }    // namespace
 
-biem::Mat3 get_cell(LAMMPS *lmp) { return Box(lmp).cell(); }
-biem::Vec3 get_origin(LAMMPS *lmp) { return Box(lmp).origin(); }
+biem::Mat3 get_cell(LAMMPS *lmp)
+{
+  return Box(lmp).cell();
+}
+biem::Vec3 get_origin(LAMMPS *lmp)
+{
+  return Box(lmp).origin();
+}
 
 std::vector<double> to_state(const biem::EwaldParameters &p)
 {
@@ -107,7 +113,8 @@ biem::EwaldParameters to_ewald_parameters(const double *state)
   p.splitting = state[1];
   p.band_limit = state[2];
   p.order = static_cast<int>(state[3]);
-  for (int a = 0; a < 3; a++) p.grid[a] = static_cast<int>(state[4 + a]);
+  for (int a = 0; a < 3; a++)
+    p.grid[a] = static_cast<int>(state[4 + a]);
   p.tolerance = state[7];
   p.expected_error = state[8];
   return p;
@@ -128,15 +135,16 @@ void LammpsScene::refresh(NeighList *list)
   }
   cell_of_node_.resize(atom->nlocal);
   for (int i = 0; i < atom->nlocal; i++)
-    cell_of_node_[i] =
-        groups_.is_cell(atom->mask[i]) ? static_cast<int>(atom->molecule[i]) - 1 : -1;
+    cell_of_node_[i] = groups_.is_cell(atom->mask[i]) ? static_cast<int>(atom->molecule[i]) - 1
+                                                      : -1;
   triangle_shift_.resize(3, triangles_.size());
 }
 
 void LammpsScene::add_candidates(const biem::Triangle &t, NeighList *list)
 {
   biem::Vec3 corner[3];
-  for (int v = 0; v < 3; v++) corner[v] = Eigen::Map<biem::Vec3>(atom->x[t[v]]);
+  for (int v = 0; v < 3; v++)
+    corner[v] = Eigen::Map<biem::Vec3>(atom->x[t[v]]);
   double sum = 0.0, longest = 0.0;
   for (int v = 0; v < 3; v++) {
     const double edge = (corner[(v + 1) % 3] - corner[v]).norm();
@@ -159,7 +167,8 @@ void LammpsScene::add_candidates(const biem::Triangle &t, NeighList *list)
   };
   const int i = t[1];    // owned: newton on stores an angle with its middle atom
   add_if_near(i);
-  for (int k = 0; k < list->numneigh[i]; k++) add_if_near(list->firstneigh[i][k] & NEIGHMASK);
+  for (int k = 0; k < list->numneigh[i]; k++)
+    add_if_near(list->firstneigh[i][k] & NEIGHMASK);
 }
 
 biem::Configuration LammpsScene::get_configuration()
@@ -168,7 +177,8 @@ biem::Configuration LammpsScene::get_configuration()
     const int i = triangles_[e][1];
     double x[3];
     domain->unmap(atom->x[i], atom->image[i], x);
-    for (int a = 0; a < 3; a++) triangle_shift_(a, e) = x[a] - atom->x[i][a];
+    for (int a = 0; a < 3; a++)
+      triangle_shift_(a, e) = x[a] - atom->x[i][a];
   }
   const Eigen::Map<const biem::Points> nodes(atom->x[0], 3, atom->nlocal + atom->nghost);
   return biem::Configuration{nodes,         atom->nlocal,    triangles_, cell_of_triangle_,

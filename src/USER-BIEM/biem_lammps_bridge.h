@@ -1,5 +1,6 @@
 // Between LAMMPS' atoms and the core's arrays: communication, the box, the triangles of this rank
-// and their near candidates. The only file besides biem_lammps_compat.h that knows both sides' data.
+// and their near candidates. The only file besides biem_lammps_compat.h that knows both sides'
+// data.
 #ifndef BIEM_LAMMPS_BRIDGE_H
 #define BIEM_LAMMPS_BRIDGE_H
 

@@ -1,9 +1,9 @@
 // Setup report: see the header.
 #include "biem_lammps_report.h"
 #include "atom.h"
+#include "fmt/format.h"
 #include "pointers.h"
 #include "update.h"
-#include "fmt/format.h"
 #include <map>
 
 namespace LAMMPS_NS {
@@ -54,9 +54,10 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldPa
                       p.grid[2], p.order);
   if (s.n_cells > 0) {
     const double nodes = static_cast<double>(s.n_nodes) / s.n_cells;
-    text += fmt::format("  surfaces: {:.0f} nodes a cell, longest edge {:.4g}; expected error with a "
-                        "smooth traction {:.2g} %\n",
-                        nodes, s.longest_edge, kSmoothErrorPercent * kSmoothErrorNodes / nodes);
+    text +=
+        fmt::format("  surfaces: {:.0f} nodes a cell, longest edge {:.4g}; expected error with a "
+                    "smooth traction {:.2g} %\n",
+                    nodes, s.longest_edge, kSmoothErrorPercent * kSmoothErrorNodes / nodes);
   }
   text += fmt::format("  communication cutoff {:.4g}, near list cutoff {:.4g}\n", cutoffs[0],
                       cutoffs[1]);

@@ -31,17 +31,21 @@ class ScriptCheck : protected Pointers {
     if (utils::strmatch(update->integrate_style, "^respa"))
       error->all(FLERR, "Fix biem: run_style respa is not supported; use run_style verlet");
     if (neighbor->exclude)
-      error->all(FLERR, "Fix biem: 'neigh_modify exclude' would hide near pairs of nodes; remove it");
+      error->all(FLERR,
+                 "Fix biem: 'neigh_modify exclude' would hide near pairs of nodes; remove it");
     if (atom->nbonds > 0)
-      error->all(FLERR, "Fix biem: the system has bonds, which take pairs out of the neighbor list; "
-                        "meshes need angles and dihedrals only");
+      error->all(FLERR,
+                 "Fix biem: the system has bonds, which take pairs out of the neighbor list; "
+                 "meshes need angles and dihedrals only");
     if (!neighbor->dist_check)
-      error->all(FLERR, "Fix biem: 'neigh_modify check yes' is required, so that neighbor lists are "
-                        "renewed when the box shears");
+      error->all(FLERR,
+                 "Fix biem: 'neigh_modify check yes' is required, so that neighbor lists are "
+                 "renewed when the box shears");
     if (neighbor->every != 1 || neighbor->delay != 0) {
       if (comm->me == 0)
-        utils::logmesg(lmp, "Fix biem: sets 'neigh_modify every 1 delay 0': the box shears in every "
-                            "step\n");
+        utils::logmesg(lmp,
+                       "Fix biem: sets 'neigh_modify every 1 delay 0': the box shears in every "
+                       "step\n");
       neighbor->every = 1;
       neighbor->delay = 0;
     }
@@ -57,16 +61,20 @@ class ScriptCheck : protected Pointers {
         continue;
       }
       if (strcmp(other->style, fix_->style) == 0)
-        error->all(FLERR, std::string("Fix biem: only one fix of this kind can be defined, but there "
-                                      "are '") + fix_->id + "' and '" + other->id + "'");
+        error->all(FLERR,
+                   std::string("Fix biem: only one fix of this kind can be defined, but there "
+                               "are '") +
+                       fix_->id + "' and '" + other->id + "'");
       if (other->time_integrate)
         error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
-                       ") also moves atoms; remove it, the Stokes flow has no inertia");
+                              ") also moves atoms; remove it, the Stokes flow has no inertia");
       if (other->box_change)
-        error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
+        error->all(FLERR,
+                   std::string("Fix biem: fix ") + other->id + " (" + other->style +
                        ") changes the box; fix biem owns the tilt of the sheared box itself");
       if (is_later && (modify->fmask[i] & FixConst::POST_FORCE))
-        error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
+        error->all(FLERR,
+                   std::string("Fix biem: fix ") + other->id + " (" + other->style +
                        ") changes forces after they have been turned into velocities; define it "
                        "before fix biem");
     }

@@ -33,7 +33,7 @@ class Arguments : protected Pointers {
   {
     if (is_done())
       error->all(FLERR, "Fix biem: keyword '" + keyword +
-                     "' ends too early: a value is missing (see the page of fix biem)");
+                            "' ends too early: a value is missing (see the page of fix biem)");
     return arg_[next_++];
   }
   double number(const std::string &keyword)
@@ -71,7 +71,8 @@ void parse_flow(Arguments &arguments, FixBiemSettings &s)
     s.flow = FixBiemSettings::Flow::None;
   } else if (kind == "mean") {
     s.flow = FixBiemSettings::Flow::Mean;
-    for (int a = 0; a < 3; a++) s.background.mean[a] = arguments.number("flow mean");
+    for (int a = 0; a < 3; a++)
+      s.background.mean[a] = arguments.number("flow mean");
   } else if (kind == "shear") {
     const std::string plane = arguments.word("flow shear");
     if (plane != "xz")
@@ -103,8 +104,8 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
   } else if (keyword == "traction") {
     s.suspension.traction = biem::parse_traction(arguments.word(keyword));
   } else if (kRefused.count(keyword)) {
-    arguments.fail("keyword '" + keyword + "' is not part of this version: " +
-                   kRefused.at(keyword));
+    arguments.fail("keyword '" + keyword +
+                   "' is not part of this version: " + kRefused.at(keyword));
   } else {
     arguments.fail("unknown keyword '" + keyword +
                    "': allowed are viscosity, accuracy, flow, cells, tracers, stepper, traction, "
@@ -121,8 +122,7 @@ FixBiemSettings parse_fix_biem(LAMMPS *lmp, int narg, char **arg)
   std::set<std::string> given;
   while (!arguments.is_done()) {
     const std::string keyword = arguments.word("fix biem");
-    if (!given.insert(keyword).second)
-      arguments.fail("keyword '" + keyword + "' is given twice");
+    if (!given.insert(keyword).second) arguments.fail("keyword '" + keyword + "' is given twice");
     try {
       parse_keyword(arguments, keyword, s);
     } catch (const biem::Error &e) {

@@ -19,8 +19,14 @@ double ShearedBox::run_strain() const
   return rate_ * static_cast<double>(update->ntimestep - base_step_) * base_dt_;
 }
 
-double ShearedBox::unflipped_tilt() const { return base_tilt_ + domain->zprd * run_strain(); }
-double ShearedBox::strain() const { return base_strain_ + run_strain(); }
+double ShearedBox::unflipped_tilt() const
+{
+  return base_tilt_ + domain->zprd * run_strain();
+}
+double ShearedBox::strain() const
+{
+  return base_strain_ + run_strain();
+}
 
 void ShearedBox::start()
 {
@@ -56,7 +62,8 @@ void ShearedBox::flip_if_needed()
   domain->set_global_box();
   domain->set_local_box();
   domain->image_flip(0, n, 0);
-  for (int i = 0; i < atom->nlocal; i++) domain->remap(atom->x[i], atom->image[i]);
+  for (int i = 0; i < atom->nlocal; i++)
+    domain->remap(atom->x[i], atom->image[i]);
   // Atoms change the box coordinate by up to one half, further than comm->exchange() reaches.
   domain->x2lamda(atom->nlocal);
   Irregular irregular(lmp);

@@ -52,7 +52,8 @@ std::vector<T> exchange(MPI_Comm world, const std::vector<std::vector<T>> &outgo
   MPI_Alltoallv(sent.data(), send_bytes.data(), send_offset.data(), MPI_BYTE, received.data(),
                 bytes.data(), offset.data(), MPI_BYTE, world);
   counts.resize(n_ranks);
-  for (int r = 0; r < n_ranks; r++) counts[r] = bytes[r] / static_cast<int>(sizeof(T));
+  for (int r = 0; r < n_ranks; r++)
+    counts[r] = bytes[r] / static_cast<int>(sizeof(T));
   return received;
 }
 
@@ -111,12 +112,15 @@ class Surveyor : protected Pointers {
       if (cell && r.molecule <= 0) molecule = std::min(molecule, r.tag);
       if (cell) survey_.n_cells = std::max(survey_.n_cells, static_cast<int>(r.molecule));
     }
-    fail_if(smallest(none), "atom", "is neither in the cells nor in the tracers of fix biem: every "
-                                    "atom must be in exactly one of these groups");
-    fail_if(smallest(both), "atom", "is in the cells and in the tracers of fix biem: the groups "
-                                    "must not overlap");
-    fail_if(smallest(molecule), "atom", "is a mesh node without a molecule id: number the cells "
-                                        "1, 2, ... with the molecule id");
+    fail_if(smallest(none), "atom",
+            "is neither in the cells nor in the tracers of fix biem: every "
+            "atom must be in exactly one of these groups");
+    fail_if(smallest(both), "atom",
+            "is in the cells and in the tracers of fix biem: the groups "
+            "must not overlap");
+    fail_if(smallest(molecule), "atom",
+            "is a mesh node without a molecule id: number the cells "
+            "1, 2, ... with the molecule id");
     int largest;
     MPI_Allreduce(&survey_.n_cells, &largest, 1, MPI_INT, MPI_MAX, world);
     survey_.n_cells = largest;
@@ -161,9 +165,11 @@ class Surveyor : protected Pointers {
     fail_if(smallest(missing), "atom", "is named by an angle but does not exist: was it deleted?");
     const std::vector<AtomRecord> answered = exchange(world, answers, counts);
     std::vector<size_t> position(n_ranks_, 0);
-    for (int r = 1; r < n_ranks_; r++) position[r] = position[r - 1] + counts[r - 1];
+    for (int r = 1; r < n_ranks_; r++)
+      position[r] = position[r - 1] + counts[r - 1];
     std::vector<AtomRecord> corners;
-    for (int64_t tag : tags) corners.push_back(answered[position[home(tag)]++]);
+    for (int64_t tag : tags)
+      corners.push_back(answered[position[home(tag)]++]);
     return corners;
   }
 
@@ -191,10 +197,12 @@ class Surveyor : protected Pointers {
       if (molecule >= 1 && molecule <= survey_.n_cells)
         volumes[molecule - 1] += x[0].dot(x[1].cross(x[2])) / 6.0;
     }
-    fail_if(smallest(tracer), "atom", "is a vertex of a triangle (angle) but not in the cells of "
-                                      "fix biem: put all nodes of a surface into that group");
-    fail_if(smallest(mixed), "atom", "has another molecule id than a neighbor in its triangle: all "
-                                     "nodes of one surface must have the same molecule id");
+    fail_if(smallest(tracer), "atom",
+            "is a vertex of a triangle (angle) but not in the cells of "
+            "fix biem: put all nodes of a surface into that group");
+    fail_if(smallest(mixed), "atom",
+            "has another molecule id than a neighbor in its triangle: all "
+            "nodes of one surface must have the same molecule id");
     double all[2];
     MPI_Allreduce(longest, all, 2, MPI_DOUBLE, MPI_MAX, world);
     survey_.longest_edge = all[0];
@@ -261,8 +269,9 @@ class Surveyor : protected Pointers {
     for (int c = 0; c < survey_.n_cells; c++)
       if (survey_.volumes[c] < 0.0)
         error->all(FLERR, "Fix biem: the surface of molecule " + std::to_string(c + 1) +
-                       " is turned inside out (volume " + std::to_string(survey_.volumes[c]) +
-                       "): list the nodes of each angle counter-clockwise from outside");
+                              " is turned inside out (volume " +
+                              std::to_string(survey_.volumes[c]) +
+                              "): list the nodes of each angle counter-clockwise from outside");
   }
 
   NodeGroups groups_;

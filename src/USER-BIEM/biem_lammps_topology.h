@@ -22,12 +22,12 @@ struct NodeGroups {
 };
 
 struct MeshSurvey {
-  int n_cells = 0;                  // largest molecule id of a surface
-  bigint n_nodes = 0;               // atoms on surfaces
+  int n_cells = 0;       // largest molecule id of a surface
+  bigint n_nodes = 0;    // atoms on surfaces
   bigint n_triangles = 0;
   double longest_edge = 0.0;
-  double longest_mean_edge = 0.0;   // largest mean edge of one triangle
-  std::vector<double> volumes;      // by molecule id - 1, positive
+  double longest_mean_edge = 0.0;    // largest mean edge of one triangle
+  std::vector<double> volumes;       // by molecule id - 1, positive
 };
 
 // All cell atoms must be vertices of triangles (angles), tracers of none.

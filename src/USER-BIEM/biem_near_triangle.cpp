@@ -1,5 +1,5 @@
-// Closed forms on a flat triangle: every surface integral of 1/r, 1/r^3 times polynomials reduces, by
-// the divergence theorem in the plane, to three edge integrals and the solid angle (doc/theory,
+// Closed forms on a flat triangle: every surface integral of 1/r, 1/r^3 times polynomials reduces,
+// by the divergence theorem in the plane, to three edge integrals and the solid angle (doc/theory,
 // label near-triangle). Checked against adaptive quadrature to 1e-13.
 #include "biem_near_triangle.h"
 #include <cmath>
@@ -14,12 +14,12 @@ constexpr double kHeightSnap = 1e-12;
 
 // Moments over the triangle, in-plane vector rho = y - (target's projection), height d:
 struct Moments {
-  double i = 0.0;                                        // int 1/r
-  double k1 = 0.0, k2 = 0.0;                             // int rho_i / r
-  double a1 = 0.0, a2 = 0.0;                             // int rho_i / r^3
-  double a11 = 0.0, a12 = 0.0, a22 = 0.0;                // int rho_i rho_j / r^3
-  double a111 = 0.0, a112 = 0.0, a122 = 0.0, a222 = 0.0; // int rho_i rho_j rho_k / r^3
-  double height_times_solid_angle = 0.0;                 // d^2 int 1/r^3 = |d| Omega
+  double i = 0.0;                                           // int 1/r
+  double k1 = 0.0, k2 = 0.0;                                // int rho_i / r
+  double a1 = 0.0, a2 = 0.0;                                // int rho_i / r^3
+  double a11 = 0.0, a12 = 0.0, a22 = 0.0;                   // int rho_i rho_j / r^3
+  double a111 = 0.0, a112 = 0.0, a122 = 0.0, a222 = 0.0;    // int rho_i rho_j rho_k / r^3
+  double height_times_solid_angle = 0.0;                    // d^2 int 1/r^3 = |d| Omega
 };
 
 // ln((r_b + s_b)/(r_a + s_a)) along an edge, by the branch that does not cancel.
@@ -40,13 +40,15 @@ Moments compute_moments(const TriangleFrame &t, const double rx[3], const double
 {
   const double d2 = d * d;
   double r[3];
-  for (int k = 0; k < 3; k++) r[k] = std::sqrt(rx[k] * rx[k] + ry[k] * ry[k] + d2);
+  for (int k = 0; k < 3; k++)
+    r[k] = std::sqrt(rx[k] * rx[k] + ry[k] * ry[k] + d2);
   Moments m;
   const double height = std::fabs(d);
   double solid_angle = 0.0;
   if (height > 0.0) {    // van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 125 (1983)
     const double denominator = r[0] * r[1] * r[2] + (rx[0] * rx[1] + ry[0] * ry[1] + d2) * r[2] +
-        (rx[1] * rx[2] + ry[1] * ry[2] + d2) * r[0] + (rx[2] * rx[0] + ry[2] * ry[0] + d2) * r[1];
+                               (rx[1] * rx[2] + ry[1] * ry[2] + d2) * r[0] +
+                               (rx[2] * rx[0] + ry[2] * ry[0] + d2) * r[1];
     solid_angle = 2.0 * std::atan2(height * t.twice_area, denominator);
   }
   m.height_times_solid_angle = height * solid_angle;
@@ -123,11 +125,12 @@ LinearDensity make_linear_density(const TriangleFrame &t, const Mat3 &density)
   const Vec3 *axes[3] = {&t.axis1, &t.axis2, &t.normal};
   for (int i = 0; i < 3; i++) {
     double value[3];
-    for (int v = 0; v < 3; v++) value[v] = axes[i]->dot(density.col(v));
+    for (int v = 0; v < 3; v++)
+      value[v] = axes[i]->dot(density.col(v));
     f.at_origin[i] = value[0];
     for (int j = 0; j < 2; j++)
       f.gradient[i][j] = value[0] * t.hat_gradient[0][j] + value[1] * t.hat_gradient[1][j] +
-          value[2] * t.hat_gradient[2][j];
+                         value[2] * t.hat_gradient[2][j];
   }
   return f;
 }
@@ -146,7 +149,8 @@ Vec3 compute_single_layer(const TriangleFrame &t, const LinearDensity &f, const 
   const Moments m = compute_moments(t, rx, ry, d);
   const double(*b)[2] = f.gradient;
   double a[3];    // density at the target's projection: f(y) = a + b rho
-  for (int i = 0; i < 3; i++) a[i] = f.at_origin[i] - b[i][0] * rx[0] - b[i][1] * ry[0];
+  for (int i = 0; i < 3; i++)
+    a[i] = f.at_origin[i] - b[i][0] * rx[0] - b[i][1] * ry[0];
 
   // r = target - y = (-rho, d), hence the signs of the mixed terms
   double u1 = a[0] * m.i + b[0][0] * m.k1 + b[0][1] * m.k2;
@@ -154,11 +158,11 @@ Vec3 compute_single_layer(const TriangleFrame &t, const LinearDensity &f, const 
   double u3 = a[2] * m.i + b[2][0] * m.k1 + b[2][1] * m.k2;
   const double shear = b[0][1] + b[1][0];
   u1 += m.a11 * a[0] + m.a12 * a[1] + m.a111 * b[0][0] + m.a112 * shear + m.a122 * b[1][1] -
-      d * (m.a1 * a[2] + m.a11 * b[2][0] + m.a12 * b[2][1]);
+        d * (m.a1 * a[2] + m.a11 * b[2][0] + m.a12 * b[2][1]);
   u2 += m.a12 * a[0] + m.a22 * a[1] + m.a112 * b[0][0] + m.a122 * shear + m.a222 * b[1][1] -
-      d * (m.a2 * a[2] + m.a12 * b[2][0] + m.a22 * b[2][1]);
+        d * (m.a2 * a[2] + m.a12 * b[2][0] + m.a22 * b[2][1]);
   u3 += -d * (m.a1 * a[0] + m.a2 * a[1] + m.a11 * b[0][0] + m.a12 * shear + m.a22 * b[1][1]) +
-      m.height_times_solid_angle * a[2] + d * d * (m.a1 * b[2][0] + m.a2 * b[2][1]);
+        m.height_times_solid_angle * a[2] + d * d * (m.a1 * b[2][0] + m.a2 * b[2][1]);
   return u1 * t.axis1 + u2 * t.axis2 + u3 * t.normal;
 }
 

@@ -1,6 +1,6 @@
-// The periodic single layer int G(x, y) f(y) dA(y) over all surfaces at all nodes: far rule by SPME,
-// closed form near every element. Distributed: each rank brings its nodes and elements.
-// Knows no forces, cells or time. Zhao et al. 2012, Eq. 1; doc/theory, label single-layer.
+// The periodic single layer int G(x, y) f(y) dA(y) over all surfaces at all nodes: far rule by
+// SPME, closed form near every element. Distributed: each rank brings its nodes and elements. Knows
+// no forces, cells or time. Zhao et al. 2012, Eq. 1; doc/theory, label single-layer.
 #ifndef BIEM_OPERATOR_SINGLE_LAYER_H
 #define BIEM_OPERATOR_SINGLE_LAYER_H
 
@@ -16,7 +16,7 @@ namespace biem {
 // One rank's share of the surfaces in one configuration. Elements index into nodes and are on
 // exactly one rank each; ghosts reach at least cutoff + longest edge around the owned nodes.
 struct SurfaceShare {
-  PointsView nodes;                     // 3 x n_all: owned first, then ghosts
+  PointsView nodes;    // 3 x n_all: owned first, then ghosts
   int n_owned;
   SurfaceElements &elements;
   const NearCandidates &candidates;

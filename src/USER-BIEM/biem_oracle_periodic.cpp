@@ -13,7 +13,8 @@ Eigen::Vector3i count_vectors(const Mat3 &lattice, double radius)
 {
   Eigen::Vector3i count;    // |n_a| <= radius / distance of the lattice planes
   const Mat3 dual = lattice.inverse();
-  for (int a = 0; a < 3; a++) count[a] = static_cast<int>(std::ceil(radius * dual.row(a).norm()));
+  for (int a = 0; a < 3; a++)
+    count[a] = static_cast<int>(std::ceil(radius * dual.row(a).norm()));
   return count;
 }
 
@@ -27,7 +28,8 @@ void add_real_part(const Mat3 &cell, PointsView targets, PointsView sources, Poi
     for (Eigen::Index s = 0; s < sources.cols(); s++) {
       Vec3 r0 = targets.col(t) - sources.col(s);
       const Vec3 fractional = inverse * r0;
-      for (int a = 0; a < 3; a++) r0 -= std::round(fractional[a]) * cell.col(a);
+      for (int a = 0; a < 3; a++)
+        r0 -= std::round(fractional[a]) * cell.col(a);
       for (int i = -count[0]; i <= count[0]; i++)
         for (int j = -count[1]; j <= count[1]; j++)
           for (int k = -count[2]; k <= count[2]; k++) {
@@ -74,8 +76,8 @@ void add_fourier_part(const Mat3 &cell, PointsView targets, PointsView sources, 
 Points compute_oracle_single_layer(const Mat3 &cell, PointsView targets, PointsView sources,
                                    PointsView forces, double splitting)
 {
-  const double xi =
-      splitting > 0.0 ? splitting : std::sqrt(M_PI) / std::cbrt(std::fabs(cell.determinant()));
+  const double xi = splitting > 0.0 ? splitting
+                                    : std::sqrt(M_PI) / std::cbrt(std::fabs(cell.determinant()));
   Points u = Points::Zero(3, targets.cols());
   add_real_part(cell, targets, sources, forces, xi, u);
   add_fourier_part(cell, targets, sources, forces, xi, u);

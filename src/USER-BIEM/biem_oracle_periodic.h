@@ -1,5 +1,6 @@
-// Slow, direct Ewald sum of the periodic Stokeslet to rounding error: the oracle of every fast path.
-// Written from the formulas with erfc and explicit lattice sums; shares no code with the fast sums.
+// Slow, direct Ewald sum of the periodic Stokeslet to rounding error: the oracle of every fast
+// path. Written from the formulas with erfc and explicit lattice sums; shares no code with the fast
+// sums.
 #ifndef BIEM_ORACLE_PERIODIC_H
 #define BIEM_ORACLE_PERIODIC_H
 

@@ -30,19 +30,22 @@ PeriodicGhosts::PeriodicGhosts(PointsView owned, const Mat3 &cell, double reach)
       }
   nodes_.resize(3, n_owned_ + images.size());
   nodes_.leftCols(n_owned_) = owned;
-  for (size_t g = 0; g < images.size(); g++) nodes_.col(n_owned_ + g) = images[g];
+  for (size_t g = 0; g < images.size(); g++)
+    nodes_.col(n_owned_ + g) = images[g];
 }
 
 void PeriodicGhosts::forward(double *values, int n)
 {
   for (size_t g = 0; g < owner_.size(); g++)
-    for (int c = 0; c < n; c++) values[(n_owned_ + g) * n + c] = values[owner_[g] * n + c];
+    for (int c = 0; c < n; c++)
+      values[(n_owned_ + g) * n + c] = values[owner_[g] * n + c];
 }
 
 void PeriodicGhosts::reverse_add(double *values, int n)
 {
   for (size_t g = 0; g < owner_.size(); g++)
-    for (int c = 0; c < n; c++) values[owner_[g] * n + c] += values[(n_owned_ + g) * n + c];
+    for (int c = 0; c < n; c++)
+      values[owner_[g] * n + c] += values[(n_owned_ + g) * n + c];
 }
 
 }    // namespace biem

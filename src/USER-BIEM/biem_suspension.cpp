@@ -15,8 +15,8 @@ Traction parse_traction(const std::string &name)
 
 Suspension::Suspension(MPI_Comm comm, const EwaldParameters &parameters,
                        const SuspensionSettings &settings) :
-    settings_(settings), single_layer_(comm, parameters),
-    elements_(std::make_unique<FlatElements>())
+    settings_(settings),
+    single_layer_(comm, parameters), elements_(std::make_unique<FlatElements>())
 {
 }
 

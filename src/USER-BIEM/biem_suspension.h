@@ -1,7 +1,7 @@
 // The scene: forces on the nodes of all surfaces in, velocities of all nodes out. With a viscosity
-// ratio of 1 and no other surfaces, Eq. 5 of Zhao et al. 2012 is one evaluation of the single layer:
-//   u(x) = u_inf(x) + 1/(8 pi mu) int G(x, y) f(y) dA(y),
-// followed by a projection that keeps every cell's volume. Knows no constitutive law and no time.
+// ratio of 1 and no other surfaces, Eq. 5 of Zhao et al. 2012 is one evaluation of the single
+// layer:   u(x) = u_inf(x) + 1/(8 pi mu) int G(x, y) f(y) dA(y), followed by a projection that
+// keeps every cell's volume. Knows no constitutive law and no time.
 #ifndef BIEM_SUSPENSION_H
 #define BIEM_SUSPENSION_H
 
@@ -40,9 +40,9 @@ struct CellVolumes {
 
 // Results on the owned nodes.
 struct Evaluation {
-  Points velocity;            // 3 x n_owned, relative to the background flow
-  Points traction;            // 3 x n_owned, force density on the fluid
-  Eigen::VectorXd areas;      // n_owned
+  Points velocity;          // 3 x n_owned, relative to the background flow
+  Points traction;          // 3 x n_owned, force density on the fluid
+  Eigen::VectorXd areas;    // n_owned
 };
 
 class Suspension {
@@ -67,7 +67,8 @@ class Suspension {
 };
 
 // Removes the flux through each closed surface, up to what restores the reference volume in
-// 1/relaxation_rate: u -= alpha n with alpha = (sum u.g - wanted) / sum |g|, g = dV/dx (3 x n_owned).
+// 1/relaxation_rate: u -= alpha n with alpha = (sum u.g - wanted) / sum |g|, g = dV/dx (3 x
+// n_owned).
 void project_volume(const std::vector<int> &cell_of_node, PointsView gradient,
                     const CellVolumes &volumes, NodeExchange &exchange, PointsRef velocity);
 

@@ -20,8 +20,8 @@ using PointsRef = Eigen::Ref<Eigen::Matrix3Xd>;
 // Three node indices, counter-clockwise seen from outside (from the suspending fluid).
 using Triangle = std::array<int, 3>;
 
-// Two triangles that share the edge (b, c): (a, b, c) and (d, c, b), both counter-clockwise from outside.
-// LAMMPS stores it as the dihedral a-b-c-d.
+// Two triangles that share the edge (b, c): (a, b, c) and (d, c, b), both counter-clockwise from
+// outside. LAMMPS stores it as the dihedral a-b-c-d.
 struct Hinge {
   int a, b, c, d;
 };

@@ -33,8 +33,19 @@ constexpr int kColumns = 11;
 // Edges may grow to this multiple of the longest edge at the start of a run.
 constexpr double kEdgeGrowth = 1.6;
 
-enum { kPower, kVolumeError, kRmsVelocity, kMaxVelocity, kStrain, kFlips, kRealTime, kNearTime,
-       kFourierTime, kExpectedError, kVectorSize };
+enum {
+  kPower,
+  kVolumeError,
+  kRmsVelocity,
+  kMaxVelocity,
+  kStrain,
+  kFlips,
+  kRealTime,
+  kNearTime,
+  kFourierTime,
+  kExpectedError,
+  kVectorSize
+};
 
 }    // namespace
 
@@ -51,6 +62,7 @@ struct FixBiem::Impl {
   biem::CellVolumes volumes;
   NeighList *list = nullptr;
   NodeGroups groups;
+  std::string reported;    // setup text of the last run, not repeated while it is the same
   double list_cutoff = 0.0;
   double own_comm_cutoff = -1.0;    // what this fix has set itself
   ShearedBox box;
@@ -96,7 +108,8 @@ FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array
   FixBiem::grow_arrays(atom->nmax);
   atom->add_callback(Atom::GROW);
   atom->add_callback(Atom::RESTART);
-  for (int i = 0; i < atom->nlocal; i++) FixBiem::set_arrays(i);
+  for (int i = 0; i < atom->nlocal; i++)
+    FixBiem::set_arrays(i);
 }
 
 FixBiem::~FixBiem()
@@ -131,7 +144,9 @@ void FixBiem::init()
 {
   check_script(lmp, this);
   const FixBiemSettings &s = impl->settings;
-  auto bit = [&](const std::string &name) { return group->bitmask[group->find(name.c_str())]; };
+  auto bit = [&](const std::string &name) {
+    return group->bitmask[group->find(name.c_str())];
+  };
   NodeGroups &groups = impl->groups;
   groups.cells = s.cells.empty() ? NodeGroups::Cells::Rest : NodeGroups::Cells::Named;
   groups.cells_bit = s.cells.empty() ? groupbit : bit(s.cells);
@@ -145,10 +160,10 @@ void FixBiem::prepare_scene()
   Impl &m = *impl;
   m.survey = survey_meshes(lmp, m.groups);
   const MeshSurvey &survey = m.survey;
-  const double shortest =
-      std::min({domain->xprd, domain->yprd, domain->zprd});
+  const double shortest = std::min({domain->xprd, domain->yprd, domain->zprd});
   if (survey.longest_edge > 0.5 * shortest)
-    error->all(FLERR, "Fix biem: the longest mesh edge is " + std::to_string(survey.longest_edge) +
+    error->all(FLERR,
+               "Fix biem: the longest mesh edge is " + std::to_string(survey.longest_edge) +
                    ", more than half of the shortest box length " + std::to_string(shortest) +
                    ": refine the mesh or enlarge the box; if the mesh is fine, the image flags of "
                    "the nodes of one cell do not belong together");
@@ -156,8 +171,9 @@ void FixBiem::prepare_scene()
     m.volumes.reference = survey.volumes;
   } else if (static_cast<int>(m.volumes.reference.size()) != survey.n_cells) {
     error->all(FLERR, "Fix biem: the number of cells has changed from " +
-                   std::to_string(m.volumes.reference.size()) + " to " +
-                   std::to_string(survey.n_cells) + " since the fix was defined; define it anew");
+                          std::to_string(m.volumes.reference.size()) + " to " +
+                          std::to_string(survey.n_cells) +
+                          " since the fix was defined; define it anew");
   }
   m.volumes.current.resize(survey.n_cells);
   m.volumes.relaxation_rate = 0.1 / update->dt;
@@ -169,14 +185,15 @@ void FixBiem::prepare_scene()
   scene.n_targets = static_cast<double>(atom->natoms);
   scene.body_sources = survey.n_cells > 0 ? scene.n_sources / survey.n_cells : 0.0;
   double volume = 0.0;
-  for (double v : survey.volumes) volume += v / survey.n_cells;
+  for (double v : survey.volumes)
+    volume += v / survey.n_cells;
   scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
   scene.tolerance = m.settings.accuracy;
   scene.min_cutoff = scene.max_cutoff = m.settings.cutoff;
   // Parameters once chosen stay, also through a restart, unless the accuracy or the box changes.
   const bool is_chosen = m.ewald.order > 0 && m.ewald.tolerance == scene.tolerance &&
-      m.ewald_lengths == scene.cell.diagonal() &&
-      (m.settings.cutoff == 0.0 || m.ewald.cutoff == m.settings.cutoff);
+                         m.ewald_lengths == scene.cell.diagonal() &&
+                         (m.settings.cutoff == 0.0 || m.ewald.cutoff == m.settings.cutoff);
   m.suspension = guarded(lmp, "Fix biem", [&] {
     if (!is_chosen) m.ewald = biem::choose_ewald_parameters(scene);
     m.ewald_lengths = scene.cell.diagonal();
@@ -189,11 +206,15 @@ void FixBiem::prepare_scene()
   m.scene = std::make_unique<LammpsScene>(lmp, m.groups, m.list_cutoff);
   m.box.start();
   const double cutoffs[2] = {comm->cutghostuser, m.list_cutoff};
-  if (comm->me == 0)
-    utils::logmesg(lmp, describe_setup(lmp, m.survey, m.suspension->parameters(), cutoffs));
+  const std::string text = describe_setup(lmp, m.survey, m.suspension->parameters(), cutoffs);
+  if (comm->me == 0 && text != m.reported) utils::logmesg(lmp, text);
+  m.reported = text;
 }
 
-void FixBiem::init_list(int, NeighList *list) { impl->list = list; }
+void FixBiem::init_list(int, NeighList *list)
+{
+  impl->list = list;
+}
 
 void FixBiem::reset_dt()
 {
@@ -215,8 +236,8 @@ void FixBiem::initial_integrate(int)
     if (!(atom->mask[i] & groupbit)) continue;
     double *a = array[i];
     Eigen::Map<biem::Vec3> position(x[i]), velocity(a + kVelocity), previous(a + kPrevious);
-    const biem::Vec3 relative = biem::compute_displacement(impl->settings.stepper, velocity,
-                                                           previous, dt, a[kPreviousDt]);
+    const biem::Vec3 relative =
+        biem::compute_displacement(impl->settings.stepper, velocity, previous, dt, a[kPreviousDt]);
     position += impl->settings.background.displacement(position, relative, dt);
     previous = velocity;
     a[kPreviousDt] = dt;
@@ -225,12 +246,14 @@ void FixBiem::initial_integrate(int)
   if (impl->box.advance()) next_reneighbor = update->ntimestep;
 }
 
-void FixBiem::pre_exchange() { impl->box.flip_if_needed(); }
+void FixBiem::pre_exchange()
+{
+  impl->box.flip_if_needed();
+}
 
 void FixBiem::post_force(int)
 {
-  if (neighbor->ago == 0)
-    guarded(lmp, "Fix biem", [&] { impl->scene->refresh(impl->list); });
+  if (neighbor->ago == 0) guarded(lmp, "Fix biem", [&] { impl->scene->refresh(impl->list); });
   evaluate();
 }
 
@@ -240,11 +263,12 @@ void FixBiem::check_forces()
     const double *f = atom->f[i], *x = atom->x[i];
     if (!std::isfinite(f[0] + f[1] + f[2] + x[0] + x[1] + x[2]))
       error->one(FLERR, "Fix biem: force or position of atom " + std::to_string(atom->tag[i]) +
-                     " (molecule " + std::to_string(atom->molecule[i]) +
-                     ") is not a number at step " + std::to_string(update->ntimestep) +
-                     ": the membrane has become unstable or folded; use a smaller timestep");
+                            " (molecule " + std::to_string(atom->molecule[i]) +
+                            ") is not a number at step " + std::to_string(update->ntimestep) +
+                            ": the membrane has become unstable or folded; use a smaller timestep");
     if (impl->groups.is_tracer(atom->mask[i]) && (f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0))
-      error->one(FLERR, "Fix biem: a force acts on tracer " + std::to_string(atom->tag[i]) +
+      error->one(FLERR,
+                 "Fix biem: a force acts on tracer " + std::to_string(atom->tag[i]) +
                      ", but tracers only follow the flow; take it out of the group of the fix or "
                      "pair style that causes the force");
   }
@@ -283,16 +307,15 @@ void FixBiem::publish()
   MPI_Allreduce(&largest, &m.vector[kMaxVelocity], 1, MPI_DOUBLE, MPI_MAX, world);
   if (!std::isfinite(sums[1]))
     error->all(FLERR, "Fix biem: a velocity is not a number at step " +
-                   std::to_string(update->ntimestep) + ": use a smaller timestep");
+                          std::to_string(update->ntimestep) + ": use a smaller timestep");
   m.vector[kPower] = sums[0];
-  m.vector[kRmsVelocity] =
-      atom->natoms > 0 ? std::sqrt(sums[1] / static_cast<double>(atom->natoms)) : 0.0;
+  m.vector[kRmsVelocity] = atom->natoms > 0 ? std::sqrt(sums[1] / static_cast<double>(atom->natoms))
+                                            : 0.0;
   m.vector[kVolumeError] = 0.0;
   for (size_t c = 0; c < m.volumes.reference.size(); c++)
     if (m.volumes.reference[c] > 0.0)
-      m.vector[kVolumeError] = std::max(m.vector[kVolumeError],
-                                        std::fabs(m.volumes.current[c] / m.volumes.reference[c] -
-                                                  1.0));
+      m.vector[kVolumeError] = std::max(
+          m.vector[kVolumeError], std::fabs(m.volumes.current[c] / m.volumes.reference[c] - 1.0));
   m.vector[kStrain] = m.box.strain();
   m.vector[kFlips] = m.box.n_flips();
   const biem::OperatorProfile &profile = m.suspension->profile();
@@ -302,9 +325,18 @@ void FixBiem::publish()
   m.vector[kExpectedError] = m.suspension->parameters().expected_error;
 }
 
-double FixBiem::compute_scalar() { return impl->vector[kPower]; }
-double FixBiem::compute_vector(int i) { return impl->vector[i]; }
-double FixBiem::memory_usage() { return static_cast<double>(atom->nmax) * kColumns * sizeof(double); }
+double FixBiem::compute_scalar()
+{
+  return impl->vector[kPower];
+}
+double FixBiem::compute_vector(int i)
+{
+  return impl->vector[i];
+}
+double FixBiem::memory_usage()
+{
+  return static_cast<double>(atom->nmax) * kColumns * sizeof(double);
+}
 
 void FixBiem::grow_arrays(int n)
 {
@@ -312,8 +344,14 @@ void FixBiem::grow_arrays(int n)
   array_atom = array;
 }
 
-void FixBiem::copy_arrays(int i, int j, int) { std::copy_n(array[i], kColumns, array[j]); }
-void FixBiem::set_arrays(int i) { std::fill_n(array[i], kColumns, 0.0); }
+void FixBiem::copy_arrays(int i, int j, int)
+{
+  std::copy_n(array[i], kColumns, array[j]);
+}
+void FixBiem::set_arrays(int i)
+{
+  std::fill_n(array[i], kColumns, 0.0);
+}
 
 int FixBiem::pack_exchange(int i, double *buffer)
 {
@@ -351,7 +389,8 @@ void FixBiem::restart(char *buffer)
   m.ewald = to_ewald_parameters(next);
   next += kEwaldStateSize;
   m.own_comm_cutoff = *next++;
-  for (int a = 0; a < 3; a++) m.ewald_lengths[a] = *next++;
+  for (int a = 0; a < 3; a++)
+    m.ewald_lengths[a] = *next++;
   const int n_cells = static_cast<int>(*next++);
   m.volumes.reference.assign(next, next + n_cells);
 }
@@ -367,12 +406,19 @@ void FixBiem::unpack_restart(int nlocal, int nth)
 {
   double **extra = atom->extra;
   int m = 0;
-  for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
+  for (int i = 0; i < nth; i++)
+    m += static_cast<int>(extra[nlocal][m]);
   std::copy_n(extra[nlocal] + m + 1, kColumns, array[nlocal]);
 }
 
-int FixBiem::size_restart(int) { return kColumns + 1; }
-int FixBiem::maxsize_restart() { return kColumns + 1; }
+int FixBiem::size_restart(int)
+{
+  return kColumns + 1;
+}
+int FixBiem::maxsize_restart()
+{
+  return kColumns + 1;
+}
 
 int FixBiem::pack_forward_comm(int n, int *list, double *buffer, int, int *)
 {
