@@ -25,7 +25,10 @@ target_include_directories(biem_styles SYSTEM PRIVATE ${BIEM_LAMMPS_DIR}/src)
 target_compile_definitions(biem_styles PRIVATE $<TARGET_PROPERTY:lammps,COMPILE_DEFINITIONS>)
 target_sources(lammps PRIVATE $<TARGET_OBJECTS:biem_styles>)
 target_include_directories(lammps PRIVATE ${BIEM_SOURCE_DIR})
-target_link_libraries(lammps PRIVATE biem_core)
+# By its file, not as a target: LAMMPS keeps its own compiler flags.
+add_dependencies(lammps biem_core)
+target_link_libraries(lammps PRIVATE
+  $<TARGET_FILE:biem_core> ${BIEM_FFTW_MPI_LIBRARY} ${BIEM_FFTW_LIBRARY})
 set_target_properties(lmp PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 add_custom_target(lmp_biem DEPENDS lmp)
 message(STATUS "lmp_biem: LAMMPS ${version} built from ${BIEM_LAMMPS_DIR}")

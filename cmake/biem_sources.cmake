@@ -14,8 +14,11 @@ set(BIEM_CORE_SOURCES
   biem_membrane_skalak.cpp
   biem_mesh_icosphere.cpp
   biem_mesh_moments.cpp
+  biem_mesh_obstacles.cpp
   biem_mesh_packing.cpp
+  biem_mesh_packing_contacts.cpp
   biem_mesh_shape.cpp
+  biem_mesh_signed_distance.cpp
   biem_mesh_topology.cpp
   biem_near_correction.cpp
   biem_near_triangle.cpp
@@ -29,6 +32,8 @@ set(BIEM_CORE_SOURCES
 # Bridge: the only part of the package that knows both the core and LAMMPS.
 set(BIEM_BRIDGE_SOURCES
   biem_lammps_bridge.cpp
+  biem_lammps_cell_creation.cpp
+  biem_lammps_cell_settings.cpp
   biem_lammps_report.cpp
   biem_lammps_script_check.cpp
   biem_lammps_settings.cpp

@@ -4,7 +4,6 @@
 #include "atom_vec.h"
 #include "domain.h"
 #include "error.h"
-#include "memory.h"
 #include "modify.h"
 #include <algorithm>
 #include <cmath>

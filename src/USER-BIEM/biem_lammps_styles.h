@@ -4,37 +4,18 @@
 #ifndef BIEM_LAMMPS_STYLES_H
 #define BIEM_LAMMPS_STYLES_H
 
-#if __has_include("angle_biem_skalak.h")
 #include "angle_biem_skalak.h"
-#define BIEM_T1(S) S(angle, "biem/skalak", Angle, AngleBiemSkalak)
-#else
-#define BIEM_T1(S)
-#endif
-#if __has_include("dihedral_biem_bend.h")
-#include "dihedral_biem_bend.h"
-#define BIEM_T2(S) S(dihedral, "biem/bend", Dihedral, DihedralBiemBend)
-#else
-#define BIEM_T2(S)
-#endif
-#if __has_include("compute_biem_cell.h")
 #include "compute_biem_cell.h"
-#define BIEM_T3(S) S(compute, "biem/cell", Compute, ComputeBiemCell)
-#else
-#define BIEM_T3(S)
-#endif
-#if __has_include("fix_biem.h")
-#include "fix_biem.h"
-#define BIEM_T4(S) S(fix, "biem", Fix, FixBiem)
-#else
-#define BIEM_T4(S)
-#endif
-#if __has_include("create_cells.h")
 #include "create_cells.h"
-#define BIEM_T5(S) S(command, "create_cells", Command, CreateCells)
-#else
-#define BIEM_T5(S)
-#endif
-#define BIEM_STYLES(S) BIEM_T1(S) BIEM_T2(S) BIEM_T3(S) BIEM_T4(S) BIEM_T5(S)
+#include "dihedral_biem_bend.h"
+#include "fix_biem.h"
+
+#define BIEM_STYLES(STYLE)                                            \
+  STYLE(angle, "biem/skalak", Angle, AngleBiemSkalak)                 \
+  STYLE(dihedral, "biem/bend", Dihedral, DihedralBiemBend)            \
+  STYLE(compute, "biem/cell", Compute, ComputeBiemCell)               \
+  STYLE(fix, "biem", Fix, FixBiem)                                    \
+  STYLE(command, "create_cells", Command, CreateCells)
 
 namespace LAMMPS_NS {
 

@@ -1,4 +1,4 @@
-// Nearest triangle by a periodic grid of bins; inside or outside by the normal at the nearest point.
+// Nearest triangle by a periodic grid of bins; inside or outside by the normal there.
 // Does not know how the surfaces came there nor what is placed between them.
 #include "biem_mesh_obstacles.h"
 

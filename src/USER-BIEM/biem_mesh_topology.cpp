@@ -1,4 +1,4 @@
-// Edge bookkeeping of triangulated surfaces and the even assignment of triangles and hinges to nodes.
+// Edge bookkeeping of triangulated surfaces; even assignment of triangles and hinges to nodes.
 // Knows nothing of LAMMPS beyond "the second node stores"; no geometry except the enclosed volume.
 #include "biem_mesh_topology.h"
 

@@ -35,7 +35,7 @@ class MainProgram(unittest.TestCase):
         done = subprocess.run([LMP, "-h"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         styles = (SOURCE / "src" / "USER-BIEM" / "biem_lammps_styles.h").read_text()
-        names = re.findall(r'STYLE\(\w+, "([^"]+)"', styles)
+        names = re.findall(r'^  STYLE\(\w+, "([^"]+)"', styles, re.MULTILINE)
         self.assertGreater(len(names), 3)
         for name in names:
             self.assertIn(name, done.stdout)

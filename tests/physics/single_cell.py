@@ -29,7 +29,7 @@ dihedral_coeff 1 {EB} sphere
 neighbor 0.3 bin
 neigh_modify every 1 delay 0 check yes
 timestep {timestep}
-fix flow all biem viscosity 1.0 accuracy 1e-3 flow shear xz 1.0 {options}
+fix flow all biem viscosity 1.0 accuracy 1e-3 flow shear xz 1.0
 compute cell all biem/cell
 thermo_style custom step time f_flow[2] c_cell[1][{columns[0]}] c_cell[1][{columns[1]}] &
   c_cell[1][{columns[2]}]
@@ -38,17 +38,18 @@ thermo {every}
 run {steps}
 """
 
-# Columns of compute biem/cell: area, in-plane inclination (degrees), Taylor deformation.
-COLUMNS = (2, 6, 8)
+# Columns of compute biem/cell: area, in-plane angle of the equivalent ellipsoid (degrees), Taylor
+# deformation. RED_CELL has the inclination of the surface tensor instead, as in Zhao et al. 2012.
+CAPSULE = (2, 23, 8)
+RED_CELL = (2, 6, 8)
 
 
-def run_single_cell(shape, nodes, ES, ED, EB, timestep, duration, box=12.0, options="", every=None):
+def run_single_cell(shape, nodes, ES, ED, EB, timestep, duration, box=12.0, columns=RED_CELL):
     """Returns an array of rows (time, volume error, area, inclination [deg], deformation)."""
     steps = round(duration / timestep)
-    every = every or max(1, steps // 100)
+    every = max(1, steps // 100)
     script = SCRIPT.format(half=0.5 * box, shape=shape, nodes=nodes, ES=ES, ED=ED, EB=EB,
-                           timestep=timestep, steps=steps, every=every, options=options,
-                           columns=COLUMNS)
+                           timestep=timestep, steps=steps, every=every, columns=columns)
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "in.cell").write_text(script)
         done = subprocess.run([LMP, "-in", "in.cell", "-log", "none"], cwd=folder,

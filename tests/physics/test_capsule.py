@@ -4,7 +4,7 @@
 import csv
 import unittest
 
-from single_cell import SOURCE, average, run_single_cell
+from single_cell import CAPSULE, SOURCE, average, run_single_cell
 
 
 def read_reference():
@@ -15,7 +15,8 @@ def read_reference():
 
 def run_capsule(Ca, C, nodes, timestep, **options):
     return average(run_single_cell("sphere radius 1", nodes, ES=1 / Ca, ED=2 * C / Ca, EB=0.0,
-                                   timestep=timestep, duration=8.0, **options), start=7.0)
+                                   timestep=timestep, duration=8.0, columns=CAPSULE,
+                                   **options), start=7.0)
 
 
 class Capsule(unittest.TestCase):

@@ -1,0 +1,293 @@
+"""Bad input of fix biem stops with a message of its own, and before any file is written over."""
+
+import unittest
+
+import numpy as np
+
+import flow_cases as flow
+from styles import membrane_cases as cases
+
+KEPT = "numbers of an earlier run\n"
+DUMP = "dump d all custom 1 user.txt id x y z\n"
+RUN = "run 2\n"
+N_NODES, N_TRIANGLES = 162, 320
+CENTERS = (1.5, 1.6, 1.7), (1.5, 1.6, 4.6)
+
+
+class InputCase(flow.FlowCase):
+    """Two spheres of 162 nodes in a box of 3 x 3 x 6."""
+
+    BOX = (3.0, 3.0, 6.0)
+
+    def setUp(self):
+        super().setUp()
+        self.user_file = self.folder / "user.txt"
+        self.user_file.write_text(KEPT)
+        self.write_spheres()
+
+    def write_spheres(self, **options):
+        sphere, _ = cases.make_icosphere()
+        self.write(*((sphere + center, sphere) for center in CENTERS),
+                   **dict({"box": self.BOX}, **options))
+
+    def edit_angles(self, edit):
+        """edit: list of triangles (lists of atom ids) -> new list."""
+        text = self.data.read_text()
+        head, rest = text.split("\nAngles\n\n")
+        rows, tail = rest.split("\n\n", 1)
+        triangles = edit([list(map(int, row.split()[2:])) for row in rows.splitlines()])
+        head = head.replace(f"{2 * N_TRIANGLES} angles", f"{len(triangles)} angles")
+        rows = "\n".join(f"{k + 1} 1 {a} {b} {c}" for k, (a, b, c) in enumerate(triangles))
+        self.data.write_text(head + "\nAngles\n\n" + rows + "\n\n" + tail)
+
+    def script(self, fix=None, before="", after=DUMP, end=RUN, styles=None):
+        """before, after: commands around fix biem."""
+        return flow.make_script(self.data, flow.make_styles() if styles is None else styles,
+                                before, flow.make_flow() if fix is None else fix, after, end)
+
+    def expect_error(self, script, *parts, n_ranks=1, is_kept=True):
+        result = cases.run(script, self.folder, n_ranks)
+        self.assertNotEqual(result.returncode, 0, "accepted:\n" + result.stdout[-1500:])
+        errors = " ".join(line for line in result.stdout.splitlines() if "ERROR" in line)
+        self.assertTrue(errors, "no message:\n" + result.stdout[-1500:])
+        for part in parts:
+            self.assertIn(part, errors)
+        if is_kept:
+            self.assertEqual(self.user_file.read_text(), KEPT)
+
+
+class Accepted(InputCase):
+    def test_the_case_without_a_mistake(self):
+        for kind in ("shear xz 1.0", "shear xz 0.0", "mean 1 0 0", "none"):
+            fix = flow.make_flow(kind, more="stepper euler traction consistent cells all")
+            flow.run(self.script(fix), self.folder)
+        self.assertNotEqual(self.user_file.read_text(), KEPT)
+
+    def test_force_before_the_fix_counts(self):
+        speeds = []
+        for before in ("", "fix push all addforce 0.0 0.5 0.0\n"):
+            output = flow.run(self.script(flow.make_flow("none"), before,
+                                          "thermo_style custom step f_b[4]\n", "run 0\n"),
+                              self.folder)
+            speeds.append(cases.read_thermo(output)[-1]["f_b[4]"])
+        self.assertLess(speeds[0], 0.1 * speeds[1])
+
+    def test_styles_come_back_after_clear(self):
+        script = self.script(after="thermo_style custom step f_b[4]\n")
+        once = cases.read_thermo(flow.run(script, self.folder))
+        rows = cases.read_thermo(flow.run(script + "clear\n" + script, self.folder))
+        self.assertEqual(rows, once + once)
+
+
+class Meshes(InputCase):
+    def test_open_surface(self):
+        self.edit_angles(lambda t: t[:N_TRIANGLES + 7] + t[N_TRIANGLES + 8:])
+        for n_ranks in (1, 2):
+            self.expect_error(self.script(), "molecule 2 is open", n_ranks=n_ranks)
+
+    def test_turned_triangle(self):
+        def turn(triangles):
+            triangles[9] = triangles[9][::-1]
+            return triangles
+        self.edit_angles(turn)
+        for n_ranks in (1, 2):
+            self.expect_error(self.script(), "molecule 1", "not consistently oriented",
+                              "counter-clockwise", n_ranks=n_ranks)
+
+    def test_triangle_listed_twice(self):
+        self.edit_angles(lambda t: t + [t[-1]])
+        self.expect_error(self.script(), "molecule 2", "more than two triangles")
+
+    def test_inside_out(self):
+        self.edit_angles(lambda t: t[:N_TRIANGLES] + [c[::-1] for c in t[N_TRIANGLES:]])
+        self.expect_error(self.script(), "molecule 2", "inside out")
+
+    def test_two_molecules_in_a_triangle(self):
+        self.expect_error(self.script(before="set atom 5 mol 2\n"), "molecule")
+        self.expect_error(self.script(before="set group all mol 0\n"), "molecule")
+        self.expect_error(self.script(before="set mol 2 mol 3\n"), "molecule")
+
+    def test_missing_atom(self):
+        before = "group lost id 7\ndelete_atoms group lost compress no mol no\n"
+        self.expect_error(self.script(before=before), "atom 7", "does not exist")
+
+    def test_reference(self):
+        sphere, _ = cases.make_icosphere()
+        made = [(sphere + center, sphere * 0.0) for center in CENTERS]
+        self.write(*made, box=self.BOX)
+        self.expect_error(self.script(), "missing or all zero")
+        self.write(*made, box=self.BOX, with_reference=False)
+        script = self.script().replace(" fix biem_reference NULL biem_reference", "")
+        self.expect_error(script, "missing or all zero")
+        self.expect_error(script.replace("fix biem_reference all property/atom", "#"),
+                          "d2_biem_reference")
+
+    def test_long_edges(self):
+        sphere, _ = cases.make_icosphere()
+        self.write((sphere * [8.0, 1.0, 1.0] + 2.0, sphere), box=(4.0, 4.0, 4.0))
+        self.expect_error(self.script(), "longest mesh edge", "half of the shortest box length")
+
+    def test_torn_images(self):
+        before = "set atom 5 image 1 0 0\n"
+        self.expect_error(self.script(before=before), "longest mesh edge", "image flags")
+
+
+class Groups(InputCase):
+    def test_atoms_in_no_group_and_in_two(self):
+        groups = "group one molecule 1\ngroup two molecule 2\n"
+        for more, parts in (("cells one", ("atom 163", "neither", "cells", "tracers")),
+                            ("cells all tracers two", ("atom 163", "must not overlap")),
+                            ("tracers two", ("tracer",)),
+                            ("cells three", ("group 'three'", "does not exist")),
+                            ("tracers three", ("group 'three'", "does not exist"))):
+            with self.subTest(more=more):
+                self.expect_error(self.script(flow.make_flow(more=more), groups), *parts)
+        self.expect_error(self.script(flow.make_flow().replace("fix b all", "fix b one"), groups),
+                          "atom 163", "neither")
+
+    def test_point_without_triangles_in_the_cells(self):
+        before = "create_atoms 1 single 0.1 0.1 0.1\nset atom 325 mol 1\n"
+        self.expect_error(self.script(before=before), "atom 325", "in no triangle", "tracers")
+
+    def test_force_on_a_tracer(self):
+        before = ("create_atoms 1 single 0.1 0.1 0.1\ngroup points id 325\n"
+                  "fix push points addforce 1.0 0.0 0.0\n")
+        self.expect_error(self.script(flow.make_flow(more="tracers points"), before),
+                          "tracer 325", is_kept=False)
+
+
+class Arguments(InputCase):
+    def expect_errors(self, cases_and_parts):
+        for arguments, parts in cases_and_parts:
+            with self.subTest(arguments=arguments):
+                self.expect_error(self.script(f"timestep 0.004\nfix b all biem {arguments}\n"),
+                                  *parts)
+
+    def test_numbers(self):
+        good = "viscosity 1 accuracy 1e-3 flow shear xz 1.0 "
+        changes = [("viscosity 1", f"viscosity {bad}", ("viscosity",))
+                   for bad in ("0", "-1.0", "nan", "1e400", "thick")]
+        changes += [("accuracy 1e-3", f"accuracy {bad}", ("accuracy",))
+                    for bad in ("0", "-1e-3", "nan", "1e-16", "2.0")]
+        changes += [("xz 1.0", f"xz {bad}", ("flow shear",)) for bad in ("nan", "1e400")]
+        changes += [("shear xz 1.0", "mean 1 0 -1e400", ("flow mean",)),
+                    ("xz 1.0", "xz 1.0 cutoff 0", ("cutoff",)),
+                    ("xz 1.0", "xz 1.0 cutoff -2", ("cutoff",))]
+        self.expect_errors([(good.replace(old, new), parts if "nan" not in new and
+                             "thick" not in new else (new.split()[1],))
+                            for old, new, parts in changes])
+
+    def test_words(self):
+        good = "viscosity 1 accuracy 1e-3 flow none "
+        self.expect_errors([
+            (good + "colour red", ("unknown keyword 'colour'", "allowed are")),
+            (good + "viscosity 2", ("keyword 'viscosity' is given twice",)),
+            (good + "flow none", ("keyword 'flow' is given twice",)),
+            ("viscosity 1 accuracy 1e-3", ("keyword 'flow' is missing",)),
+            ("viscosity 1 flow none", ("keyword 'accuracy' is missing",)),
+            ("accuracy 1e-3 flow none", ("keyword 'viscosity' is missing",)),
+            ("viscosity 1 accuracy 1e-3 flow", ("'flow' ends too early",)),
+            ("viscosity 1 accuracy 1e-3 flow mean 1 0", ("'flow mean' ends too early",)),
+            ("viscosity 1 accuracy 1e-3 flow shear xy 1", ("flow shear xy", "shear xz")),
+            ("viscosity 1 accuracy 1e-3 flow pipe", ("unknown flow 'pipe'",)),
+            (good + "stepper rkc2", ("unknown stepper 'rkc2'", "ab2", "euler")),
+            (good + "traction smooth", ("unknown traction 'smooth'", "lumped", "consistent"))])
+
+    def test_keywords_of_other_methods(self):
+        good = "viscosity 1 accuracy 1e-3 flow none "
+        self.expect_errors([(good + keyword, (f"'{keyword.split()[0]}'", "not part of this version"))
+                            for keyword in ("viscosity/ratio 5", "rigid all", "wall z",
+                                            "ewald 1 2 3")])
+
+    def test_coefficients(self):
+        for old, new, part in (("2.0 100.0", "0 100.0", "ES"), ("2.0 100.0", "-2.0 100.0", "ES"),
+                               ("2.0 100.0", "1e400 100.0", "ES"), ("2.0 100.0", "2.0 -1", "ED"),
+                               ("2.0 100.0", "2.0 1e400", "ED"), ("0.0066", "-1.0", "EB"),
+                               ("0.0066", "1e400", "EB"), ("sphere", "1e400", "beta0"),
+                               ("2.0 100.0", "nan 100.0", "nan"), ("0.0066", "nan", "nan")):
+            with self.subTest(new=new):
+                styles = flow.make_styles()
+                self.assertIn(old, styles)
+                self.expect_error(self.script(styles=styles.replace(old, new)), part)
+
+
+class Settings(InputCase):
+    def test_newton_off(self):
+        script = self.script().replace("newton on", "newton off")
+        self.expect_error(script, "newton on")
+
+    def test_communication_cutoff(self):
+        self.expect_error(self.script(before="comm_modify cutoff 0.5\n"),
+                          "communication cutoff 0.5 is too small", "needed", "comm_modify")
+
+    def test_boundaries_and_box(self):
+        script = self.script(flow.make_flow("none"))
+        self.write_spheres(tilt=None)
+        for boundary in ("p p f", "s p p", "p m p"):
+            self.expect_error(script.replace("boundary p p p", "boundary " + boundary),
+                              "boundary p p p")
+        self.expect_error(self.script(), "flow shear needs a triclinic box", "prism")
+
+    def test_other_fixes(self):
+        for command, parts in (
+                ("fix n all nve", ("fix n (nve)", "moves atoms")),
+                ("fix m all move linear 1 0 0", ("fix m (move)", "moves atoms")),
+                ("fix d all deform 1 xz erate 1.0 remap none", ("deform",)),
+                ("fix h all press/berendsen iso 1 1 1", ("press/berendsen",)),
+                ("fix c all biem viscosity 1 accuracy 1e-3 flow none", ("only one fix", "'c'"))):
+            for place in ("before", "after"):
+                with self.subTest(command=command, place=place):
+                    options = {"before": command + "\n"} if place == "before" else \
+                        {"after": DUMP + command + "\n"}
+                    self.expect_error(self.script(**options), *parts)
+
+    def test_forces_after_the_fix(self):
+        for command in ("fix f all addforce 1 0 0", "fix f all setforce 0 NULL NULL"):
+            self.expect_error(self.script(after=DUMP + command + "\n"),
+                              f"fix f ({command.split()[3]})", "define it before fix biem")
+
+    def test_neighbor_settings(self):
+        self.expect_error(self.script(before="neigh_modify check no\n"),
+                          "'neigh_modify check yes' is required")
+        self.expect_error(self.script(before="neigh_modify exclude molecule/intra all\n"),
+                          "neigh_modify exclude")
+
+    def test_run_style_and_timestep(self):
+        self.expect_error(self.script(after=DUMP + "run_style respa 2 2 improper 1\n"), "respa")
+        self.expect_error(self.script(flow.make_flow(timestep=0.0)), "timestep")
+
+    def test_change_of_the_number_of_cells(self):
+        end = "run 0\ngroup two molecule 2\ndelete_atoms group two mol yes\nrun 0\n"
+        self.expect_error(self.script(end=end, after=""), "number of cells")
+
+    def test_no_atom_map_or_molecules(self):
+        script = self.script().replace("atom_modify map yes\n", "").replace("mass", "#mass")
+        output = cases.run(script, self.folder).stdout    # style molecular makes a map by itself
+        self.assertNotIn("Segmentation", output)
+        points = ("units lj\natom_style atomic\nregion b prism 0 3 0 3 0 3 0 0 0\n"
+                  "create_box 1 b\ncreate_atoms 1 random 5 1 b\nmass * 1\n" + flow.make_flow())
+        self.expect_error(points, "molecule", "atom_style molecular")
+
+
+class Positions(InputCase):
+    def test_position_that_is_not_a_number(self):
+        before = ("variable bad atom 1e308*1e308-1e308*1e308\n"
+                  "set atom 17 {} v_bad\n")
+        for axis in "xz":
+            for n_ranks in (1, 2):
+                with self.subTest(axis=axis, n_ranks=n_ranks):
+                    self.expect_error(self.script(before=before.format(axis)), "atom 17", "step 0",
+                                      n_ranks=n_ranks, is_kept=False)
+
+    def test_position_lost_between_runs(self):
+        end = ("run 2\nvariable bad atom 1e308*1e308-1e308*1e308\nset atom 17 y v_bad\nrun 2\n")
+        self.expect_error(self.script(end=end), "17", "step 2", is_kept=False)
+
+    def test_instability(self):
+        for n_ranks in (1, 2):
+            self.expect_error(self.script(flow.make_flow(timestep=0.5), end="run 1000\n"), "step",
+                              "timestep", n_ranks=n_ranks, is_kept=False)
+
+
+if __name__ == "__main__":
+    unittest.main()
