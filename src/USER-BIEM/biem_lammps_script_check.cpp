@@ -68,7 +68,7 @@ class ScriptCheck : protected Pointers {
       if (other->time_integrate)
         error->all(FLERR, std::string("Fix biem: fix ") + other->id + " (" + other->style +
                               ") also moves atoms; remove it, the Stokes flow has no inertia");
-      if (other->box_change)
+      if (other->box_change & ~Fix::BOX_CHANGE_DOMAIN)
         error->all(FLERR,
                    std::string("Fix biem: fix ") + other->id + " (" + other->style +
                        ") changes the box; fix biem owns the tilt of the sheared box itself");

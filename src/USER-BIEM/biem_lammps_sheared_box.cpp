@@ -13,41 +13,34 @@ ShearedBox::~ShearedBox()
   if (is_sheared()) domain->h_rate[4] = 0.0;
 }
 
-double ShearedBox::run_strain() const
+double ShearedBox::compute_run_strain() const
 {
-  if (base_step_ < 0) return 0.0;
   return rate_ * static_cast<double>(update->ntimestep - base_step_) * base_dt_;
-}
-
-double ShearedBox::unflipped_tilt() const
-{
-  return base_tilt_ + domain->zprd * run_strain();
-}
-double ShearedBox::strain() const
-{
-  return base_strain_ + run_strain();
 }
 
 void ShearedBox::start()
 {
   if (!is_sheared()) return;
   domain->h_rate[4] = rate_ * domain->zprd;    // LAMMPS' record of how fast xz changes
-  const bool is_started = base_step_ >= 0;
-  const double tilt = is_started ? unflipped_tilt() : domain->xz;
-  const double offset = (tilt - domain->xz) / domain->xprd;
-  const bool is_same_box = std::fabs(offset - std::round(offset)) < 1e-9;
-  if (is_started && is_same_box && base_dt_ == update->dt) return;
-  base_strain_ = strain();
-  base_tilt_ = is_same_box ? tilt : domain->xz;
-  base_step_ = update->ntimestep;
+  const double offset = (tilt_ - domain->xz) / domain->xprd;
+  const bool is_same_box = is_started_ && std::fabs(offset - std::round(offset)) < 1e-9;
+  if (is_same_box && base_dt_ == update->dt && last_step_ == update->ntimestep) return;
+  if (!is_same_box) tilt_ = domain->xz;
+  is_started_ = true;
+  base_tilt_ = tilt_;
+  base_strain_ = strain_;
+  base_step_ = last_step_ = update->ntimestep;
   base_dt_ = update->dt;
 }
 
 bool ShearedBox::advance()
 {
   if (!is_sheared()) return false;
-  const double length = domain->xprd, tilt = unflipped_tilt();
-  domain->xz = tilt - length * std::round((tilt - domain->xz) / length);
+  const double length = domain->xprd, run_strain = compute_run_strain();
+  strain_ = base_strain_ + run_strain;
+  tilt_ = base_tilt_ + domain->zprd * run_strain;
+  last_step_ = update->ntimestep;
+  domain->xz = tilt_ - length * std::round((tilt_ - domain->xz) / length);
   domain->set_global_box();
   domain->set_local_box();
   return std::fabs(domain->xz) > 0.5 * length;
@@ -74,7 +67,13 @@ void ShearedBox::flip_if_needed()
 
 std::vector<double> ShearedBox::get_state() const
 {
-  return {base_tilt_, base_dt_, base_strain_, static_cast<double>(base_step_),
+  return {base_tilt_,
+          base_dt_,
+          base_strain_,
+          static_cast<double>(base_step_),
+          tilt_,
+          strain_,
+          static_cast<double>(last_step_),
           static_cast<double>(n_flips_)};
 }
 
@@ -84,7 +83,11 @@ void ShearedBox::set_state(const double *state)
   base_dt_ = state[1];
   base_strain_ = state[2];
   base_step_ = static_cast<bigint>(state[3]);
-  n_flips_ = static_cast<bigint>(state[4]);
+  tilt_ = state[4];
+  strain_ = state[5];
+  last_step_ = static_cast<bigint>(state[6]);
+  n_flips_ = static_cast<bigint>(state[7]);
+  is_started_ = base_dt_ > 0.0;
 }
 
 }    // namespace LAMMPS_NS

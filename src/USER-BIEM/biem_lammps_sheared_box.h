@@ -17,28 +17,31 @@ class ShearedBox : protected Pointers {
 
   bool is_sheared() const { return rate_ != 0.0; }
   // Start of a run, or a new timestep: continues the count of the tilt, or starts it anew where the
-  // box has been changed from outside.
+  // box, the timestep or the count of steps has been changed from outside.
   void start();
   // Sets the tilt of the present step. True if the box must be flipped at once.
   bool advance();
   // Flips the box if its tilt has passed one half, and moves the atoms to their new ranks.
   void flip_if_needed();
 
-  double strain() const;
+  double strain() const { return strain_; }
   double n_flips() const { return static_cast<double>(n_flips_); }
 
-  static constexpr int kStateSize = 5;
+  static constexpr int kStateSize = 8;
   std::vector<double> get_state() const;
   void set_state(const double *state);
 
  private:
-  double run_strain() const;
-  double unflipped_tilt() const;
+  double compute_run_strain() const;
 
   double rate_;
-  // unflipped tilt = base_tilt + rate Lz (step - base_step) base_dt, exact over any number of steps
-  double base_tilt_ = 0.0, base_dt_ = 0.0, base_strain_ = 0.0;
-  bigint base_step_ = -1;    // -1: not started
+  // At step n: strain = base strain + rate (n - base_step) base_dt, unflipped tilt likewise, so that
+  // nothing is added up step by step.
+  double base_tilt_ = 0.0, base_strain_ = 0.0, base_dt_ = 0.0;
+  bigint base_step_ = 0;
+  double tilt_ = 0.0, strain_ = 0.0;    // of last_step_
+  bigint last_step_ = 0;
+  bool is_started_ = false;
   bigint n_flips_ = 0;
 };
 

@@ -113,7 +113,8 @@ class Surveyor : protected Pointers {
       if (cell) survey_.n_cells = std::max(survey_.n_cells, static_cast<int>(r.molecule));
     }
     fail_if(smallest(none), "atom",
-            "is neither in the cells nor in the tracers of fix biem: every "
+            "is neither in the cells nor in the tracers of fix biem, or not in "
+            "the group of the fix itself: every "
             "atom must be in exactly one of these groups");
     fail_if(smallest(both), "atom",
             "is in the cells and in the tracers of fix biem: the groups "

@@ -15,10 +15,14 @@ class LAMMPS;
 struct NodeGroups {
   enum class Cells { Named, Rest };    // named by 'cells', or all atoms of the fix but tracers
   Cells cells = Cells::Rest;
-  int cells_bit = 0, tracers_bit = 0;
+  int fix_bit = 0, cells_bit = 0, tracers_bit = 0;
 
-  bool is_tracer(int mask) const { return mask & tracers_bit; }
-  bool is_cell(int mask) const { return (mask & cells_bit) && !is_tracer(mask); }
+  // Atoms outside the group of the fix are neither: it would not move them.
+  bool is_tracer(int mask) const { return (mask & fix_bit) && (mask & tracers_bit); }
+  bool is_cell(int mask) const
+  {
+    return (mask & fix_bit) && (mask & cells_bit) && !is_tracer(mask);
+  }
 };
 
 struct MeshSurvey {

@@ -41,7 +41,7 @@ Vec3 compute_nearest_weights(const Vec3 &p, const Vec3 &a, const Vec3 &b, const 
 
 MeshObstacles::MeshObstacles(const MeshLattice &lattice, const Points &nodes,
                              const std::vector<Triangle> &triangles, double reach) :
-    lattice_(lattice), nodes_(nodes), reach_(reach)
+    lattice_(lattice), nodes_(nodes), largest_radius_(0.0), reach_(reach)
 {
   make_facets(triangles);
   make_bins();
@@ -50,7 +50,6 @@ MeshObstacles::MeshObstacles(const MeshLattice &lattice, const Points &nodes,
 void MeshObstacles::make_facets(const std::vector<Triangle> &triangles)
 {
   Points normals = Points::Zero(3, nodes_.cols());
-  double largest = 0.0;
   for (const Triangle &t : triangles) {
     const Vec3 a = nodes_.col(t[0]);
     const Vec3 ab = lattice_.wrap_difference(nodes_.col(t[1]) - a);
@@ -59,25 +58,29 @@ void MeshObstacles::make_facets(const std::vector<Triangle> &triangles)
     Facet facet;
     facet.center = a + center;
     facet.corners << -center, ab - center, ac - center;
+    facet.radius = facet.corners.colwise().norm().maxCoeff();
+    facet.normals.setZero();
+    largest_radius_ = std::max(largest_radius_, facet.radius);
     facets_.push_back(facet);
     for (int node : t) normals.col(node) += ab.cross(ac);
-    largest = std::max(largest, facet.corners.colwise().norm().maxCoeff());
   }
   for (std::size_t i = 0; i < triangles.size(); i++)
     for (int k = 0; k < 3; k++)
       facets_[i].normals.col(k) = normals.col(triangles[i][k]).normalized();
-  search_radius_ = reach_ + largest;
 }
 
 void MeshObstacles::make_bins()
 {
   std::size_t n_all = 1;
   for (int k = 0; k < 3; k++) {
-    const double n = std::min(64.0, lattice_.heights()[k] / search_radius_);
+    const double n = std::min(64.0, lattice_.heights()[k] / (largest_radius_ + reach_));
     n_bins_[k] = std::max(1, static_cast<int>(n));
     n_all *= n_bins_[k];
   }
   facets_of_bin_.resize(n_all);
+  nodes_of_bin_.resize(n_all);
+  for (int i = 0; i < nodes_.cols(); i++)
+    nodes_of_bin_[compute_bin_index(find_bin(nodes_.col(i)))].push_back(i);
   for (std::size_t i = 0; i < facets_.size(); i++)
     facets_of_bin_[compute_bin_index(find_bin(facets_[i].center))].push_back(static_cast<int>(i));
 }
@@ -96,40 +99,62 @@ std::size_t MeshObstacles::compute_bin_index(const std::array<int, 3> &bin) cons
   return (static_cast<std::size_t>(bin[2]) * n_bins_[1] + bin[1]) * n_bins_[0] + bin[0];
 }
 
-void MeshObstacles::update_nearest(const Facet &facet, const Vec3 &point, Nearest &nearest) const
+// Calls visit(bin index) once for every bin that may hold something within radius of the point.
+template <class Visitor>
+void MeshObstacles::for_each_bin(const Vec3 &point, double radius, Visitor visit) const
 {
-  const Vec3 p = lattice_.wrap_difference(point - facet.center);
-  const Vec3 weights = compute_nearest_weights(p, facet.corners.col(0), facet.corners.col(1),
-                                               facet.corners.col(2));
-  const Vec3 offset = p - facet.corners * weights;
-  if (offset.squaredNorm() >= nearest.squared) return;
-  nearest = {offset.squaredNorm(), offset, facet.normals * weights};
-}
-
-SignedDistance MeshObstacles::evaluate(const Vec3 &point) const
-{
-  Nearest nearest = {reach_ * reach_, Vec3::Zero(), Vec3::Zero()};
   const std::array<int, 3> home = find_bin(point);
   int low[3], high[3];
-  for (int k = 0; k < 3; k++) {    // with fewer than three bins, a neighbor would be met twice
-    low[k] = n_bins_[k] < 3 ? 0 : home[k] - 1;
-    high[k] = n_bins_[k] < 3 ? n_bins_[k] - 1 : home[k] + 1;
+  for (int k = 0; k < 3; k++) {
+    const int n = n_bins_[k];
+    const int reach = static_cast<int>(radius / lattice_.heights()[k] * n) + 1;
+    low[k] = 2 * reach + 1 < n ? home[k] - reach + n : 0;
+    high[k] = 2 * reach + 1 < n ? home[k] + reach + n : n - 1;
   }
-  auto fold = [&](int i, int k) { return (i + n_bins_[k]) % n_bins_[k]; };
   for (int i = low[0]; i <= high[0]; i++)
     for (int j = low[1]; j <= high[1]; j++)
       for (int k = low[2]; k <= high[2]; k++)
-        for (int facet : facets_of_bin_[compute_bin_index({fold(i, 0), fold(j, 1), fold(k, 2)})])
-          update_nearest(facets_[facet], point, nearest);
-  if (nearest.squared >= reach_ * reach_) return {reach_, Vec3::Zero()};
-  const double distance = std::sqrt(nearest.squared);
+        visit(compute_bin_index({i % n_bins_[0], j % n_bins_[1], k % n_bins_[2]}));
+}
+
+void MeshObstacles::update_nearest(const Facet &facet, const Vec3 &point, Nearest &nearest) const
+{
+  const Vec3 p = lattice_.wrap_difference(point - facet.center);
+  const double bound = nearest.distance + facet.radius;
+  if (p.squaredNorm() >= bound * bound) return;
+  const Vec3 weights = compute_nearest_weights(p, facet.corners.col(0), facet.corners.col(1),
+                                               facet.corners.col(2));
+  const Vec3 offset = p - facet.corners * weights;
+  const double distance = offset.norm();
+  if (distance < nearest.distance) nearest = {distance, offset, facet.normals * weights};
+}
+
+SignedDistance MeshObstacles::evaluate(const Vec3 &point, double limit) const
+{
+  Nearest nearest = {limit, Vec3::Zero(), Vec3::Zero()};
+  for_each_bin(point, limit + largest_radius_, [&](std::size_t bin) {
+    for (int facet : facets_of_bin_[bin]) update_nearest(facets_[facet], point, nearest);
+  });
+  const double distance = nearest.distance;
+  if (distance >= limit) return {limit, Vec3::Zero()};
   if (nearest.offset.dot(nearest.normal) < 0.0) return {-distance, nearest.normal.normalized()};
   return {distance, distance > 0.0 ? Vec3(nearest.offset / distance) : nearest.normal};
 }
 
+std::vector<int> MeshObstacles::find_nodes(const Vec3 &point, double radius) const
+{
+  std::vector<int> found;
+  for_each_bin(point, radius, [&](std::size_t bin) {
+    for (int node : nodes_of_bin_[bin])
+      if (lattice_.wrap_difference(nodes_.col(node) - point).norm() < radius)
+        found.push_back(node);
+  });
+  return found;
+}
+
 bool MeshObstacles::is_inside(const Vec3 &point) const
 {
-  Nearest nearest = {1e300, Vec3::Zero(), Vec3::Zero()};
+  Nearest nearest = {1e100, Vec3::Zero(), Vec3::Zero()};
   for (const Facet &facet : facets_) update_nearest(facet, point, nearest);
   return nearest.offset.dot(nearest.normal) < 0.0;
 }

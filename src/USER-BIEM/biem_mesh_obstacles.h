@@ -14,14 +14,17 @@ namespace biem {
 class MeshObstacles {
  public:
   // nodes: 3 x n in any periodic images; nodes without a triangle are points with no inside.
-  // Distances to surfaces are searched up to reach (length).
+  // reach: typical limit of evaluate (length); decides the size of the search bins only.
   MeshObstacles(const MeshLattice &lattice, const Points &nodes,
                 const std::vector<Triangle> &triangles, double reach);
 
   const Points &nodes() const { return nodes_; }
 
-  // To the nearest point of the nearest triangle; negative inside; reach if none is as near.
-  SignedDistance evaluate(const Vec3 &point) const;
+  // To the nearest point of the nearest triangle; negative inside; limit if none is as near.
+  SignedDistance evaluate(const Vec3 &point, double limit) const;
+
+  // Indices of the nodes within radius of the point.
+  std::vector<int> find_nodes(const Vec3 &point, double radius) const;
 
   // Whether the point is inside a surface, however deep. Slow: looks at every triangle.
   bool is_inside(const Vec3 &point) const;
@@ -31,9 +34,10 @@ class MeshObstacles {
     Vec3 center;
     Mat3 corners;    // relative to the center, one per column
     Mat3 normals;    // at the corners: area-weighted means of the triangles there
+    double radius;   // of the sphere about the center that holds the corners
   };
   struct Nearest {
-    double squared;    // of the distance
+    double distance;
     Vec3 offset;       // from the surface to the point
     Vec3 normal;       // interpolated between the corners
   };
@@ -42,14 +46,16 @@ class MeshObstacles {
   void make_bins();
   std::array<int, 3> find_bin(const Vec3 &point) const;
   std::size_t compute_bin_index(const std::array<int, 3> &bin) const;
+  template <class Visitor>
+  void for_each_bin(const Vec3 &point, double radius, Visitor visit) const;
   void update_nearest(const Facet &facet, const Vec3 &point, Nearest &nearest) const;
 
   MeshLattice lattice_;
   Points nodes_;
-  double reach_, search_radius_;
+  double largest_radius_, reach_;
   std::vector<Facet> facets_;
   std::array<int, 3> n_bins_;
-  std::vector<std::vector<int>> facets_of_bin_;
+  std::vector<std::vector<int>> facets_of_bin_, nodes_of_bin_;
 };
 
 }    // namespace biem

@@ -69,19 +69,22 @@ GapTarget compute_gap_target(const PackingRequest &request)
 }
 
 PackingContacts::Setup make_setup(const PackingRequest &request, const GapTarget &target,
-                                  int n_sample_nodes)
+                                  int n_sample_nodes, PackingContacts::Samples samples)
 {
-  return {request.shape, n_sample_nodes, compute_volume_scale(*request.shape, request.n_nodes),
-          target.gap};
+  return {request.shape, n_sample_nodes, samples,
+          compute_volume_scale(*request.shape, request.n_nodes), target.gap};
 }
 
 class RandomPacking {
  public:
   RandomPacking(const PackingRequest &request, const PackingObstacles &obstacles) :
       request_(request), lattice_(request.lattice), target_(compute_gap_target(request)),
-      coarse_(make_setup(request, target_, std::min(request.n_nodes, n_coarse_nodes_)), lattice_,
-              obstacles),
-      fine_(make_setup(request, target_, request.n_nodes), lattice_, obstacles),
+      coarse_(make_setup(request, target_, std::min(request.n_nodes, n_coarse_nodes_),
+                         PackingContacts::Samples::nodes),
+              lattice_, obstacles),
+      fine_(make_setup(request, target_, request.n_nodes,
+                       PackingContacts::Samples::nodes_and_edges),
+            lattice_, obstacles),
       random_(request.seed)
   {
   }
@@ -131,9 +134,7 @@ class RandomPacking {
   {
     const double size = first_size_ * coarse_.bounding_radius();
     const MeshObstacles &obstacles = coarse_.obstacles();
-    for (int k = 0; k < obstacles.nodes().cols(); k++)
-      if (lattice_.wrap_difference(obstacles.nodes().col(k) - center).norm() < size) return false;
-    return !obstacles.is_inside(center);
+    return obstacles.find_nodes(center, size).empty() && !obstacles.is_inside(center);
   }
 
   // Bodies that are pushed apart only once they touch settle at random close packing; growing
@@ -254,7 +255,8 @@ void check_placement(const PackingRequest &request, const RigidPlacement &placem
 {
   const GapTarget target = compute_gap_target(request);
   const double needed = target.gap - target.slack;
-  PackingContacts contacts(make_setup(request, {needed, 0.0}, request.n_nodes),
+  PackingContacts contacts(make_setup(request, {needed, 0.0}, request.n_nodes,
+                                      PackingContacts::Samples::nodes_and_edges),
                            MeshLattice(request.lattice), obstacles);
   contacts.find({placement}, 1.0);
   if (contacts.worst() <= 0.0 && !contacts.obstacles().is_inside(placement.center)) return;

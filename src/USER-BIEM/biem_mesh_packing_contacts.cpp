@@ -10,8 +10,10 @@
 namespace biem {
 namespace {
 
-Points make_samples(const SurfaceMesh &mesh)
+Points make_samples(const PackingContacts::Setup &setup)
 {
+  const SurfaceMesh mesh = make_mesh(*setup.shape, setup.n_sample_nodes);
+  if (setup.samples == PackingContacts::Samples::nodes) return mesh.nodes;
   const auto hinges = make_hinges(mesh.triangles);
   Points samples(3, mesh.nodes.cols() + static_cast<int>(hinges.size()));
   samples.leftCols(mesh.nodes.cols()) = mesh.nodes;
@@ -29,7 +31,7 @@ PackingContacts::PackingContacts(const Setup &setup, const MeshLattice &lattice,
     table_(*setup.shape, setup.scale_to_volume, 1.2 * setup.gap),
     obstacles_(lattice, obstacles.nodes, obstacles.triangles,
                1.2 * setup.gap + 0.1 * table_.bounding_radius()),
-    samples_(make_samples(make_mesh(*setup.shape, setup.n_sample_nodes))), gap_(setup.gap),
+    samples_(make_samples(setup)), gap_(setup.gap),
     size_(1.0)
 {
 }
@@ -98,9 +100,10 @@ void PackingContacts::find_with_obstacles(const RigidPlacement &body, int i)
   if (obstacles_.nodes().cols() == 0) return;
   update_near_nodes(body.center, i);
   if (near_nodes_[i].empty()) return;
+  const double limit = size_ * (gap_ + 0.1 * table_.bounding_radius());    // sees some overlap
   for (int k = 0; k < samples_.cols(); k++) {
     const Vec3 arm = size_ * (body.rotation * samples_.col(k));
-    const SignedDistance distance = obstacles_.evaluate(body.center + arm);
+    const SignedDistance distance = obstacles_.evaluate(body.center + arm, limit);
     const double penetration = size_ * gap_ - distance.value;
     if (penetration > 0.0) systems_[i].add(arm, distance.normal, penetration);
   }
@@ -118,10 +121,7 @@ void PackingContacts::update_near_nodes(const Vec3 &center, int i)
   if ((center - near_center_[i]).norm() < skin) return;
   const double radius = table_.bounding_radius() + 1.2 * gap_ + skin;
   near_center_[i] = center;
-  near_nodes_[i].clear();
-  for (int k = 0; k < obstacles_.nodes().cols(); k++)
-    if (lattice_.wrap_difference(obstacles_.nodes().col(k) - center).norm() < radius)
-      near_nodes_[i].push_back(k);
+  near_nodes_[i] = obstacles_.find_nodes(center, radius);
 }
 
 double PackingContacts::worst() const

@@ -12,11 +12,15 @@ namespace biem {
 
 class PackingContacts {
  public:
-  // gap: distance that counts as contact, length. Bodies are sampled at the nodes and the edges'
-  // midpoints of the mesh of n_sample_nodes nodes, which carries the factor scale_to_volume.
+  enum class Samples { nodes, nodes_and_edges };
+
+  // gap: distance that counts as contact, length. Bodies are sampled at the nodes, and perhaps the
+  // midpoints of the edges, of a mesh of n_sample_nodes nodes; scale_to_volume is that of the mesh
+  // whose gaps are to be kept.
   struct Setup {
     const Shape *shape;
     int n_sample_nodes;
+    Samples samples;
     double scale_to_volume;
     double gap;
   };

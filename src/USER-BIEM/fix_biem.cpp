@@ -33,6 +33,9 @@ constexpr int kColumns = 11;
 // Edges may grow to this multiple of the longest edge at the start of a run.
 constexpr double kEdgeGrowth = 1.6;
 
+// Relative volume errors of a stable run are below 1e-5.
+constexpr double kVolumeWarning = 1e-4, kVolumeLimit = 1e-2;
+
 enum {
   kPower,
   kVolumeError,
@@ -62,6 +65,7 @@ struct FixBiem::Impl {
   biem::CellVolumes volumes;
   NeighList *list = nullptr;
   NodeGroups groups;
+  bool is_warned = false;
   std::string reported;    // setup text of the last run, not repeated while it is the same
   double list_cutoff = 0.0;
   double own_comm_cutoff = -1.0;    // what this fix has set itself
@@ -89,7 +93,6 @@ FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array
                         "... prism) or use 'change_box all triclinic'");
     box_change |= BOX_CHANGE_XZ;
     no_change_box = 1;
-    time_depend = 1;
     force_reneighbor = 1;
     next_reneighbor = -1;
   }
@@ -151,6 +154,7 @@ void FixBiem::init()
   groups.cells = s.cells.empty() ? NodeGroups::Cells::Rest : NodeGroups::Cells::Named;
   groups.cells_bit = s.cells.empty() ? groupbit : bit(s.cells);
   groups.tracers_bit = s.tracers.empty() ? 0 : bit(s.tracers);
+  groups.fix_bit = groupbit;
   prepare_scene();
   BiemCompat::request_full_list(neighbor, this, instance_me, impl->list_cutoff);
 }
@@ -318,11 +322,26 @@ void FixBiem::publish()
           m.vector[kVolumeError], std::fabs(m.volumes.current[c] / m.volumes.reference[c] - 1.0));
   m.vector[kStrain] = m.box.strain();
   m.vector[kFlips] = m.box.n_flips();
+  check_volumes();
   const biem::OperatorProfile &profile = m.suspension->profile();
   m.vector[kRealTime] = profile.real_space;
   m.vector[kNearTime] = profile.near;
   m.vector[kFourierTime] = profile.fourier;
   m.vector[kExpectedError] = m.suspension->parameters().expected_error;
+}
+
+// The projection holds volumes to the error of the time stepping: a large error is an unstable run.
+void FixBiem::check_volumes()
+{
+  const double deviation = impl->vector[kVolumeError];
+  if (deviation <= kVolumeWarning) return;
+  const std::string text = fmt::format(
+      "Fix biem: relative volume error {:.2g} of a cell at step {}: the timestep is beyond "
+      "the limit of stability of the stepper; use a smaller one (see doc/fix_biem.md)",
+      deviation, update->ntimestep);
+  if (deviation > kVolumeLimit) error->all(FLERR, text);
+  if (!impl->is_warned && comm->me == 0) error->warning(FLERR, text);
+  impl->is_warned = true;
 }
 
 double FixBiem::compute_scalar()

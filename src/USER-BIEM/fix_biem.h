@@ -54,6 +54,7 @@ class FixBiem : public Fix {
   void prepare_scene();
   void evaluate();
   void check_forces();
+  void check_volumes();
   void publish();
 };
 
