@@ -23,6 +23,7 @@ class NeighList;
 class LammpsExchange : public biem::NodeExchange, protected Pointers {
  public:
   LammpsExchange(LAMMPS *lmp, Fix *fix) : Pointers(lmp), fix_(fix) {}
+  ~LammpsExchange() noexcept override {}    // newer ~Pointers() may throw, ~NodeExchange() may not
 
   void forward(double *values, int n_columns) override;
   void reverse_add(double *values, int n_columns) override;

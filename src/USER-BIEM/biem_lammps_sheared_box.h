@@ -35,8 +35,8 @@ class ShearedBox : protected Pointers {
   double compute_run_strain() const;
 
   double rate_;
-  // At step n: strain = base strain + rate (n - base_step) base_dt, unflipped tilt likewise, so that
-  // nothing is added up step by step.
+  // At step n: strain = base strain + rate (n - base_step) base_dt, unflipped tilt likewise, so
+  // that nothing is added up step by step.
   double base_tilt_ = 0.0, base_strain_ = 0.0, base_dt_ = 0.0;
   bigint base_step_ = 0;
   double tilt_ = 0.0, strain_ = 0.0;    // of last_step_

@@ -4,19 +4,24 @@ number of ranks, with both steppers and across a flip of the box."""
 import unittest
 
 import flow_cases as flow
+from styles import membrane_cases as cases
 
 N_STEPS = 60
 HALF = N_STEPS // 2
 SAME_RANKS, OTHER_RANKS = 1e-12, 1e-10
 CELLS = (((0.1, 5.9, 0.05), 30.0), ((3.0, 2.9, 5.8), 80.0))
 
-# The tilt grows by 6 * 0.004 in each step: the box flips in step 5, or in step 34 after the restart.
+# The tilt grows by 6 * 0.004 in a step: the box flips in step 5, or in step 34, past the restart.
 FLIP_BEFORE, FLIP_AFTER = 2.9, 2.2
+THERMO = "thermo_style custom step xz f_b[5] f_b[6]\nthermo_modify format float %.15g\n"
 
 
 class Case(flow.FlowCase):
     def write_cells(self, tilt):
         self.write(*(flow.make_red_cell(*cell) for cell in CELLS), tilt=(0.0, tilt, 0.0))
+
+    def rows(self):
+        return cases.read_thermo(self.output)
 
     def whole_run(self, runs, n_ranks=1, more="", kind="shear xz 1.0", name="whole.txt"):
         script = flow.make_script(self.data, flow.make_styles(), flow.make_flow(kind, more=more),
@@ -27,7 +32,7 @@ class Case(flow.FlowCase):
     def restarted_run(self, file, n_steps, n_ranks=1, more="", kind="shear xz 1.0"):
         script = (f"read_restart {file}\nneighbor 0.2 bin\npair_style none\n" +
                   flow.make_flow(kind, more=more) + flow.make_dump("second.txt", 10) +
-                  f"thermo_style custom step f_b[5] f_b[6]\nrun {n_steps}\n")
+                  THERMO + f"run {n_steps}\n")
         self.output = flow.run(script, self.folder, n_ranks)
         return flow.read_dump(self.folder / "second.txt")
 
@@ -44,8 +49,9 @@ class Restart(Case):
                     second = self.restarted_run("middle", HALF, n_ranks, more)
                     self.assertEqual(sorted(second), list(range(HALF, N_STEPS + 1, 10)))
                     self.assert_same_frames(second, whole, tolerance)
-                    rows = [line.split() for line in self.output.splitlines()]
-                    self.assertIn([str(N_STEPS), "0.24", "1"], rows)
+                    row = self.rows()[-1]
+                    self.assertAlmostEqual(row["f_b[5]"], 0.24, delta=1e-12)
+                    self.assertEqual(row["f_b[6]"], 1)
 
     def test_restart_on_fewer_ranks(self):
         self.write_cells(FLIP_AFTER)
@@ -77,6 +83,15 @@ class Restart(Case):
             second = self.restarted_run("middle", HALF, kind=kind)
             self.assert_same_frames(second, whole, SAME_RANKS)
 
+    def test_another_shear_rate_after_the_restart(self):
+        self.write_cells(0.0)
+        self.whole_run("run 30\nwrite_restart middle\n")
+        second = self.restarted_run("middle", 20, kind="shear xz 2.0")
+        self.assertEqual(max(second), 50)
+        row = self.rows()[-1]
+        self.assertAlmostEqual(row["f_b[5]"], 0.004 * (30 + 2 * 20), delta=1e-12)
+        self.assertAlmostEqual(row["Xz"], 6.0 * 0.004 * (30 + 2 * 20), delta=1e-12)
+
 
 class SplitRuns(Case):
     def test_two_runs_equal_one(self):
@@ -93,16 +108,30 @@ class SplitRuns(Case):
         many = self.whole_run(20 * "run 1\n", name="many.txt")
         self.assert_same_frames(one, many, SAME_RANKS)
 
-    def test_changed_timestep_keeps_the_strain(self):
+    def test_runs_without_setup(self):
+        self.write_cells(FLIP_BEFORE)
+        one = self.whole_run("run 20\n")
+        for runs in ("run 10\nrun 10 pre no\n", "run 20 every 7 'print next'\n"):
+            two = self.whole_run(runs, name="two.txt")
+            self.assert_same_frames(one, two, SAME_RANKS)
+
+    def test_changed_timestep_and_count_of_steps_keep_the_strain(self):
         self.write_cells(-2.0)
-        columns = "thermo_style custom step xz f_b[5]\nthermo_modify format float %.15g\n"
-        self.whole_run(columns + "run 10\ntimestep 0.002\nrun 20\ntimestep 0.006\nrun 10\n")
-        rows = [line.split() for line in self.output.splitlines()]
-        rows = {int(row[0]): list(map(float, row[1:])) for row in rows
-                if len(row) == 3 and row[0] in ("10", "30", "40")}
-        for step, strain in ((10, 0.04), (30, 0.08), (40, 0.14)):
-            self.assertAlmostEqual(rows[step][1], strain, delta=1e-12)
-            self.assertAlmostEqual(rows[step][0], -2.0 + 6.0 * strain, delta=1e-12)
+        self.whole_run(THERMO + "run 10\ntimestep 0.002\nrun 20\ntimestep 0.006\nrun 10\n"
+                       "undump d\nreset_timestep 5\nrun 10\n")
+        for row, step, strain in zip(self.rows()[1::2], (10, 30, 40, 15), (0.04, 0.08, 0.14, 0.2)):
+            self.assertEqual(row["Step"], step)
+            self.assertAlmostEqual(row["f_b[5]"], strain, delta=1e-12)
+            self.assertAlmostEqual(row["Xz"], -2.0 + 6.0 * strain, delta=1e-12)
+
+    def test_fix_defined_anew(self):
+        """Starts from the box and the cells as they are, with an Euler step."""
+        self.write_cells(FLIP_BEFORE)
+        anew = "undump d\nunfix b\n" + flow.make_flow("shear xz -0.5") + THERMO + "run 10\n"
+        self.whole_run("run 20\n" + anew)
+        row = self.rows()[-1]
+        self.assertAlmostEqual(row["f_b[5]"], -0.5 * 0.04, delta=1e-12)
+        self.assertAlmostEqual(row["Xz"], FLIP_BEFORE + 6.0 * (0.08 - 0.02) - 6.0, delta=1e-12)
 
 
 if __name__ == "__main__":

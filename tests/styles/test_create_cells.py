@@ -177,8 +177,11 @@ class ManyCells(CreateCells):
                     p = other + lattice @ (np.array(n) - 2)
                     if np.linalg.norm(p.mean(axis=0) - center) > 3.0:
                         continue
-                    p = p[np.linalg.norm(p - center, axis=1) < 1.6]
-                    self.assertGreaterEqual(triangle_distance(p, corners), gap)
+                    # only what is nearer than the gap and an edge (0.45) can break the gap
+                    apart = np.linalg.norm(p[:, None] - corners.mean(axis=1)[None], axis=2)
+                    near = apart < gap + 0.5
+                    self.assertGreaterEqual(
+                        triangle_distance(p[near.any(axis=1)], corners[near.any(axis=0)]), gap)
 
     def test_hematocrit_in_a_tilted_box(self):
         text, atoms, angles, _ = self.run_output(
@@ -295,8 +298,10 @@ class BadInput(CreateCells):
             self.assert_refused(f"create_cells {arguments}\n", message)
 
     def test_no_room_says_how_many(self):
-        self.assert_refused("create_cells rbc nodes 42 hematocrit 0.68 1\n",
-                            "cannot place 83 bodies", "keep the gap (volume fraction", n_ranks=2)
+        box = "region box block 0 4 0 4 0 4\ncreate_box 1 box " + TYPES + "\n"
+        self.assert_refused("create_cells rbc nodes 162 hematocrit 0.7 1\n",
+                            "cannot place 11 bodies", "keep the gap (volume fraction",
+                            box=box, n_ranks=2)
 
     def test_overlap_with_an_existing_cell(self):
         self.assert_refused("create_cells rbc nodes 42 single 0 0 0\n"
