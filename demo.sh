@@ -1,6 +1,7 @@
 #!/bin/sh
 # From an empty clone to the first picture: installs what is missing, builds lmp_biem, shears red
 # cells in a periodic box on two processors, and draws them.  Everything lands in demo_output/.
+# Arguments go to lmp_biem: ./demo.sh -var steps 500
 set -eu
 cd "$(dirname "$0")"
 top=$PWD
@@ -22,7 +23,7 @@ step "Shearing red cells: examples/sheared_suspension/in.sheared_suspension on 2
 rm -rf "$output"
 mkdir "$output"
 (cd "$example" && mpirun -np 2 "$top/build/lmp_biem" -in in.sheared_suspension \
-  -log "$output/log.lammps" -var output_dir "$output")
+  -log "$output/log.lammps" -var output_dir "$output" "$@")
 
 step "Shapes and pictures"
 timestep=$(awk '$1 == "timestep" && $2 ~ /^[0-9.]/ { value = $2 } END { print value }' \

@@ -38,6 +38,7 @@ set(BIEM_BRIDGE_SOURCES
   biem_lammps_script_check.cpp
   biem_lammps_settings.cpp
   biem_lammps_sheared_box.cpp
+  biem_lammps_solver.cpp
   biem_lammps_topology.cpp
 )
 

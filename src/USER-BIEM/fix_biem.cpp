@@ -1,13 +1,11 @@
 // fix biem: parses, calls the core, publishes. Physics and numerics are in the core.
 #include "fix_biem.h"
 #include "atom.h"
-#include "biem_lammps_bridge.h"
 #include "biem_lammps_compat.h"
-#include "biem_lammps_report.h"
 #include "biem_lammps_script_check.h"
 #include "biem_lammps_settings.h"
 #include "biem_lammps_sheared_box.h"
-#include "biem_lammps_topology.h"
+#include "biem_lammps_solver.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -30,9 +28,6 @@ namespace {
 enum { kVelocity = 0, kTraction = 3, kArea = 6, kPublished = 7, kPrevious = 7, kPreviousDt = 10 };
 constexpr int kColumns = 11;
 
-// Edges may grow to this multiple of the longest edge at the start of a run.
-constexpr double kEdgeGrowth = 1.6;
-
 // Relative volume errors of a stable run are below 1e-5.
 constexpr double kVolumeWarning = 1e-4, kVolumeLimit = 1e-2;
 
@@ -54,26 +49,15 @@ enum {
 
 struct FixBiem::Impl {
   FixBiemSettings settings;
-  MeshSurvey survey;
-  LammpsExchange exchange;
-  std::unique_ptr<LammpsScene> scene;
-  std::unique_ptr<biem::Suspension> suspension;
-  biem::EwaldScene ewald_scene;
-  biem::EwaldParameters ewald;
-  biem::Vec3 ewald_lengths = biem::Vec3::Zero();    // box lengths they were chosen for
-  biem::Evaluation evaluation;
-  biem::CellVolumes volumes;
-  NeighList *list = nullptr;
-  NodeGroups groups;
-  bool is_warned = false;
-  std::string reported;    // setup text of the last run, not repeated while it is the same
-  double list_cutoff = 0.0;
-  double own_comm_cutoff = -1.0;    // what this fix has set itself
+  LammpsSolver solver;
   ShearedBox box;
+  NodeGroups groups;
+  NeighList *list = nullptr;
+  bool is_warned = false;
   double vector[kVectorSize] = {};
 
   Impl(LAMMPS *lmp, Fix *fix, const FixBiemSettings &s) :
-      settings(s), exchange(lmp, fix), box(lmp, s.background.shear_rate)
+      settings(s), solver(lmp, fix, s), box(lmp, s.background.shear_rate)
   {
   }
 };
@@ -132,17 +116,6 @@ int FixBiem::setmask()
   return mask;
 }
 
-void FixBiem::check_cutoffs(double needed)
-{
-  const bool is_own = comm->cutghostuser == impl->own_comm_cutoff;
-  if (comm->cutghostuser > 0.0 && !is_own && comm->cutghostuser < needed)
-    error->all(FLERR, fmt::format("Fix biem: communication cutoff {:.8g} is too small, {:.8g} is "
-                                  "needed (real-space cutoff, edges and skin); remove 'comm_modify "
-                                  "cutoff' so that fix biem sets it, or give at least this value",
-                                  comm->cutghostuser, needed));
-  if (comm->cutghostuser < needed || is_own) comm->cutghostuser = impl->own_comm_cutoff = needed;
-}
-
 void FixBiem::init()
 {
   check_script(lmp, this);
@@ -155,64 +128,9 @@ void FixBiem::init()
   groups.cells_bit = s.cells.empty() ? groupbit : bit(s.cells);
   groups.tracers_bit = s.tracers.empty() ? 0 : bit(s.tracers);
   groups.fix_bit = groupbit;
-  prepare_scene();
-  BiemCompat::request_full_list(neighbor, this, instance_me, impl->list_cutoff);
-}
-
-void FixBiem::prepare_scene()
-{
-  Impl &m = *impl;
-  m.survey = survey_meshes(lmp, m.groups);
-  const MeshSurvey &survey = m.survey;
-  const double shortest = std::min({domain->xprd, domain->yprd, domain->zprd});
-  if (survey.longest_edge > 0.5 * shortest)
-    error->all(FLERR,
-               "Fix biem: the longest mesh edge is " + std::to_string(survey.longest_edge) +
-                   ", more than half of the shortest box length " + std::to_string(shortest) +
-                   ": refine the mesh or enlarge the box; if the mesh is fine, the image flags of "
-                   "the nodes of one cell do not belong together");
-  if (m.volumes.reference.empty()) {
-    m.volumes.reference = survey.volumes;
-  } else if (static_cast<int>(m.volumes.reference.size()) != survey.n_cells) {
-    error->all(FLERR, "Fix biem: the number of cells has changed from " +
-                          std::to_string(m.volumes.reference.size()) + " to " +
-                          std::to_string(survey.n_cells) +
-                          " since the fix was defined; define it anew");
-  }
-  m.volumes.current.resize(survey.n_cells);
-  m.volumes.relaxation_rate = 0.1 / update->dt;
-
-  biem::EwaldScene &scene = m.ewald_scene;
-  scene.cell = get_cell(lmp);
-  scene.max_tilt = impl->box.is_sheared() ? 0.5 * domain->xprd : std::fabs(domain->xz);
-  scene.n_sources = static_cast<double>(survey.n_nodes + survey.n_triangles);
-  scene.n_targets = static_cast<double>(atom->natoms);
-  scene.body_sources = survey.n_cells > 0 ? scene.n_sources / survey.n_cells : 0.0;
-  double volume = 0.0;
-  for (double v : survey.volumes)
-    volume += v / survey.n_cells;
-  scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
-  scene.tolerance = m.settings.accuracy;
-  scene.min_cutoff = scene.max_cutoff = m.settings.cutoff;
-  // Parameters once chosen stay, also through a restart, unless the accuracy or the box changes.
-  const bool is_chosen = m.ewald.order > 0 && m.ewald.tolerance == scene.tolerance &&
-                         m.ewald_lengths == scene.cell.diagonal() &&
-                         (m.settings.cutoff == 0.0 || m.ewald.cutoff == m.settings.cutoff);
-  m.suspension = guarded(lmp, "Fix biem", [&] {
-    if (!is_chosen) m.ewald = biem::choose_ewald_parameters(scene);
-    m.ewald_lengths = scene.cell.diagonal();
-    return std::make_unique<biem::Suspension>(world, m.ewald, m.settings.suspension);
-  });
-  const double edge = kEdgeGrowth * survey.longest_edge;
-  m.list_cutoff = edge + kEdgeGrowth * biem::kNearFactor * survey.longest_mean_edge;
-  const double cutoff = m.suspension->parameters().cutoff;
-  check_cutoffs(std::max(m.list_cutoff, cutoff + edge) + neighbor->skin);
-  m.scene = std::make_unique<LammpsScene>(lmp, m.groups, m.list_cutoff);
-  m.box.start();
-  const double cutoffs[2] = {comm->cutghostuser, m.list_cutoff};
-  const std::string text = describe_setup(lmp, m.survey, m.suspension->parameters(), cutoffs);
-  if (comm->me == 0 && text != m.reported) utils::logmesg(lmp, text);
-  m.reported = text;
+  impl->solver.prepare(groups, impl->box.is_sheared() ? 0.5 * domain->xprd : domain->xz);
+  impl->box.start();
+  BiemCompat::request_full_list(neighbor, this, instance_me, impl->solver.list_cutoff());
 }
 
 void FixBiem::init_list(int, NeighList *list)
@@ -223,12 +141,12 @@ void FixBiem::init_list(int, NeighList *list)
 void FixBiem::reset_dt()
 {
   impl->box.start();
-  impl->volumes.relaxation_rate = 0.1 / update->dt;
+  impl->solver.set_timestep(update->dt);
 }
 
 void FixBiem::setup(int)
 {
-  guarded(lmp, "Fix biem", [&] { impl->scene->refresh(impl->list); });
+  impl->solver.refresh(impl->list);
   evaluate();
 }
 
@@ -257,7 +175,7 @@ void FixBiem::pre_exchange()
 
 void FixBiem::post_force(int)
 {
-  if (neighbor->ago == 0) guarded(lmp, "Fix biem", [&] { impl->scene->refresh(impl->list); });
+  if (neighbor->ago == 0) impl->solver.refresh(impl->list);
   evaluate();
 }
 
@@ -282,18 +200,7 @@ void FixBiem::evaluate()
 {
   check_forces();
   Impl &m = *impl;
-  m.suspension->set_cell(get_cell(lmp), get_origin(lmp));
-  const Eigen::Map<const biem::Points> forces(atom->f[0], 3, atom->nlocal);
-  m.evaluation = guarded(lmp, "Fix biem: step " + std::to_string(update->ntimestep), [&] {
-    return m.suspension->evaluate(m.scene->get_configuration(), forces, m.volumes, m.exchange);
-  });
-  publish();
-}
-
-void FixBiem::publish()
-{
-  Impl &m = *impl;
-  const biem::Evaluation &e = m.evaluation;
+  const biem::Evaluation e = m.solver.evaluate();
   double sums[2] = {0.0, 0.0}, largest = 0.0;
   for (int i = 0; i < atom->nlocal; i++) {
     double *a = array[i];
@@ -307,7 +214,7 @@ void FixBiem::publish()
     sums[1] += velocity.squaredNorm();
     largest = std::max(largest, velocity.norm());
   }
-  m.exchange.sum(sums, 2);
+  m.solver.exchange.sum(sums, 2);
   MPI_Allreduce(&largest, &m.vector[kMaxVelocity], 1, MPI_DOUBLE, MPI_MAX, world);
   if (!std::isfinite(sums[1]))
     error->all(FLERR, "Fix biem: a velocity is not a number at step " +
@@ -315,19 +222,15 @@ void FixBiem::publish()
   m.vector[kPower] = sums[0];
   m.vector[kRmsVelocity] = atom->natoms > 0 ? std::sqrt(sums[1] / static_cast<double>(atom->natoms))
                                             : 0.0;
-  m.vector[kVolumeError] = 0.0;
-  for (size_t c = 0; c < m.volumes.reference.size(); c++)
-    if (m.volumes.reference[c] > 0.0)
-      m.vector[kVolumeError] = std::max(
-          m.vector[kVolumeError], std::fabs(m.volumes.current[c] / m.volumes.reference[c] - 1.0));
+  m.vector[kVolumeError] = m.solver.volume_error();
   m.vector[kStrain] = m.box.strain();
   m.vector[kFlips] = m.box.n_flips();
   check_volumes();
-  const biem::OperatorProfile &profile = m.suspension->profile();
+  const biem::OperatorProfile &profile = m.solver.profile();
   m.vector[kRealTime] = profile.real_space;
   m.vector[kNearTime] = profile.near;
   m.vector[kFourierTime] = profile.fourier;
-  m.vector[kExpectedError] = m.suspension->parameters().expected_error;
+  m.vector[kExpectedError] = m.solver.parameters().expected_error;
 }
 
 // The projection holds volumes to the error of the time stepping: a large error is an unstable run.
@@ -387,13 +290,9 @@ int FixBiem::unpack_exchange(int i, double *buffer)
 void FixBiem::write_restart(FILE *file)
 {
   if (comm->me != 0) return;
-  const Impl &m = *impl;
-  std::vector<double> list = m.box.get_state();
-  const std::vector<double> ewald = to_state(m.ewald);
-  list.insert(list.end(), ewald.begin(), ewald.end());
-  list.insert(list.end(), {m.own_comm_cutoff, m.ewald_lengths[0], m.ewald_lengths[1],
-                           m.ewald_lengths[2], static_cast<double>(m.volumes.reference.size())});
-  list.insert(list.end(), m.volumes.reference.begin(), m.volumes.reference.end());
+  std::vector<double> list = impl->box.get_state();
+  const std::vector<double> solver = impl->solver.get_state();
+  list.insert(list.end(), solver.begin(), solver.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, file);
   fwrite(list.data(), sizeof(double), list.size(), file);
@@ -401,17 +300,9 @@ void FixBiem::write_restart(FILE *file)
 
 void FixBiem::restart(char *buffer)
 {
-  const double *next = reinterpret_cast<const double *>(buffer);
-  Impl &m = *impl;
-  m.box.set_state(next);
-  next += ShearedBox::kStateSize;
-  m.ewald = to_ewald_parameters(next);
-  next += kEwaldStateSize;
-  m.own_comm_cutoff = *next++;
-  for (int a = 0; a < 3; a++)
-    m.ewald_lengths[a] = *next++;
-  const int n_cells = static_cast<int>(*next++);
-  m.volumes.reference.assign(next, next + n_cells);
+  const double *state = reinterpret_cast<const double *>(buffer);
+  impl->box.set_state(state);
+  impl->solver.set_state(state + ShearedBox::kStateSize);
 }
 
 int FixBiem::pack_restart(int i, double *buffer)
@@ -441,20 +332,20 @@ int FixBiem::maxsize_restart()
 
 int FixBiem::pack_forward_comm(int n, int *list, double *buffer, int, int *)
 {
-  return impl->exchange.pack_forward(n, list, buffer);
+  return impl->solver.exchange.pack_forward(n, list, buffer);
 }
 
 void FixBiem::unpack_forward_comm(int n, int first, double *buffer)
 {
-  impl->exchange.unpack_forward(n, first, buffer);
+  impl->solver.exchange.unpack_forward(n, first, buffer);
 }
 
 int FixBiem::pack_reverse_comm(int n, int first, double *buffer)
 {
-  return impl->exchange.pack_reverse(n, first, buffer);
+  return impl->solver.exchange.pack_reverse(n, first, buffer);
 }
 
 void FixBiem::unpack_reverse_comm(int n, int *list, double *buffer)
 {
-  impl->exchange.unpack_reverse(n, list, buffer);
+  impl->solver.exchange.unpack_reverse(n, list, buffer);
 }

@@ -50,12 +50,9 @@ class FixBiem : public Fix {
   Impl *impl;
   double **array;    // per atom: velocity, traction, area (published), then the history
 
-  void check_cutoffs(double needed);
-  void prepare_scene();
   void evaluate();
   void check_forces();
   void check_volumes();
-  void publish();
 };
 
 }    // namespace LAMMPS_NS

@@ -1,0 +1,143 @@
+// Flow solver on LAMMPS' atoms: see the header.
+#include "biem_lammps_solver.h"
+#include "atom.h"
+#include "biem_lammps_report.h"
+#include "comm.h"
+#include "domain.h"
+#include "neighbor.h"
+#include "update.h"
+#include "utils.h"
+#include <algorithm>
+#include <cmath>
+
+namespace LAMMPS_NS {
+
+namespace {
+
+// Edges may grow to this multiple of the longest edge at the start of a run.
+constexpr double kEdgeGrowth = 1.6;
+
+}    // namespace
+
+void LammpsSolver::prepare(const NodeGroups &groups, double max_tilt)
+{
+  survey_ = survey_meshes(lmp, groups);
+  check_edges();
+  keep_volumes();
+  choose_parameters(max_tilt);
+  set_cutoffs();
+  scene_ = std::make_unique<LammpsScene>(lmp, groups, list_cutoff_);
+  const double cutoffs[2] = {comm->cutghostuser, list_cutoff_};
+  const std::string text = describe_setup(lmp, survey_, parameters_, cutoffs);
+  if (comm->me == 0 && text != reported_) utils::logmesg(lmp, text);
+  reported_ = text;
+}
+
+void LammpsSolver::check_edges() const
+{
+  const double shortest = std::min({domain->xprd, domain->yprd, domain->zprd});
+  if (survey_.longest_edge > 0.5 * shortest)
+    error->all(FLERR, fmt::format("Fix biem: the longest mesh edge is {:.6g}, more than half of the "
+                                  "shortest box length {:.6g}: refine the mesh or enlarge the box; "
+                                  "if the mesh is fine, the image flags of the nodes of one cell do "
+                                  "not belong together",
+                                  survey_.longest_edge, shortest));
+}
+
+void LammpsSolver::keep_volumes()
+{
+  if (volumes_.reference.empty())
+    volumes_.reference = survey_.volumes;
+  else if (static_cast<int>(volumes_.reference.size()) != survey_.n_cells)
+    error->all(FLERR, fmt::format("Fix biem: the number of cells has changed from {} to {} since "
+                                  "the fix was defined; define it anew",
+                                  volumes_.reference.size(), survey_.n_cells));
+  volumes_.current.resize(survey_.n_cells);
+  set_timestep(update->dt);
+}
+
+// Parameters once chosen stay, also through a restart, unless the accuracy or the box changes.
+void LammpsSolver::choose_parameters(double max_tilt)
+{
+  biem::EwaldScene scene;
+  scene.cell = get_cell(lmp);
+  scene.max_tilt = max_tilt;
+  scene.n_sources = static_cast<double>(survey_.n_nodes + survey_.n_triangles);
+  scene.n_targets = static_cast<double>(atom->natoms);
+  scene.tolerance = settings_.accuracy;
+  scene.min_cutoff = scene.max_cutoff = settings_.cutoff;
+  if (survey_.n_cells > 0) {
+    double volume = 0.0;
+    for (double v : survey_.volumes) volume += v / survey_.n_cells;
+    scene.body_sources = scene.n_sources / survey_.n_cells;
+    scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
+  }
+  const bool is_chosen = parameters_.order > 0 && parameters_.tolerance == scene.tolerance &&
+      parameter_lengths_ == scene.cell.diagonal() &&
+      (settings_.cutoff == 0.0 || parameters_.cutoff == settings_.cutoff);
+  suspension_ = guarded(lmp, "Fix biem", [&] {
+    if (!is_chosen) parameters_ = biem::choose_ewald_parameters(scene);
+    return std::make_unique<biem::Suspension>(world, parameters_, settings_.suspension);
+  });
+  parameter_lengths_ = scene.cell.diagonal();
+}
+
+void LammpsSolver::set_cutoffs()
+{
+  const double edge = kEdgeGrowth * survey_.longest_edge;
+  list_cutoff_ = edge + kEdgeGrowth * biem::kNearFactor * survey_.longest_mean_edge;
+  const double needed = std::max(list_cutoff_, parameters_.cutoff + edge) + neighbor->skin;
+  const bool is_own = comm->cutghostuser == own_comm_cutoff_;
+  if (comm->cutghostuser > 0.0 && !is_own && comm->cutghostuser < needed)
+    error->all(FLERR, fmt::format("Fix biem: communication cutoff {:.8g} is too small, {:.8g} is "
+                                  "needed (real-space cutoff, edges and skin); remove 'comm_modify "
+                                  "cutoff' so that fix biem sets it, or give at least this value",
+                                  comm->cutghostuser, needed));
+  if (comm->cutghostuser < needed || is_own) comm->cutghostuser = own_comm_cutoff_ = needed;
+}
+
+void LammpsSolver::refresh(NeighList *list)
+{
+  guarded(lmp, "Fix biem", [&] { scene_->refresh(list); });
+}
+
+biem::Evaluation LammpsSolver::evaluate()
+{
+  suspension_->set_cell(get_cell(lmp), get_origin(lmp));
+  const Eigen::Map<const biem::Points> forces(atom->f[0], 3, atom->nlocal);
+  return guarded(lmp, "Fix biem: step " + std::to_string(update->ntimestep), [&] {
+    return suspension_->evaluate(scene_->get_configuration(), forces, volumes_, exchange);
+  });
+}
+
+double LammpsSolver::volume_error() const
+{
+  double largest = 0.0;
+  for (size_t c = 0; c < volumes_.reference.size(); c++)
+    if (volumes_.reference[c] > 0.0)
+      largest = std::max(largest, std::fabs(volumes_.current[c] / volumes_.reference[c] - 1.0));
+  return largest;
+}
+
+std::vector<double> LammpsSolver::get_state() const
+{
+  std::vector<double> state = to_state(parameters_);
+  state.insert(state.end(),
+               {own_comm_cutoff_, parameter_lengths_[0], parameter_lengths_[1],
+                parameter_lengths_[2], static_cast<double>(volumes_.reference.size())});
+  state.insert(state.end(), volumes_.reference.begin(), volumes_.reference.end());
+  return state;
+}
+
+const double *LammpsSolver::set_state(const double *state)
+{
+  parameters_ = to_ewald_parameters(state);
+  state += kEwaldStateSize;
+  own_comm_cutoff_ = *state++;
+  for (int a = 0; a < 3; a++) parameter_lengths_[a] = *state++;
+  const int n_cells = static_cast<int>(*state++);
+  volumes_.reference.assign(state, state + n_cells);
+  return state + n_cells;
+}
+
+}    // namespace LAMMPS_NS
