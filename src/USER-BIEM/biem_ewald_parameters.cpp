@@ -12,6 +12,7 @@ namespace biem {
 
 namespace {
 
+constexpr double kMostGridPoints = 2e9;         // what a large cluster can still hold
 constexpr double kTightestTolerance = 1e-10;    // double precision leaves no margin below
 constexpr double kShare = 0.42;    // of the tolerance for each of three independent error sources
 
@@ -171,6 +172,8 @@ EwaldParameters choose_ewald_parameters(const EwaldScene &s)
     for (int i = 0; i <= kCutoffs; i++) {
       const double cutoff = low * std::pow(high / low, static_cast<double>(i) / kCutoffs);
       const EwaldParameters candidate = make_candidate(s, cutoff, order, table);
+      const auto [m0, m1, m2] = candidate.grid;
+      if (static_cast<double>(m0) * m1 * m2 > kMostGridPoints) continue;
       const double candidate_cost = cost(s, candidate);
       if (candidate_cost < best_cost) {
         best_cost = candidate_cost;
@@ -181,7 +184,8 @@ EwaldParameters choose_ewald_parameters(const EwaldScene &s)
   if (best.order == 0) {
     std::ostringstream message;
     message << "accuracy " << s.tolerance << " cannot be met with a cutoff between " << low
-            << " and " << high << " in this cell; allow a larger cutoff or a larger tolerance";
+            << " and " << high << " in this cell: the grid would be too large; allow a larger"
+            << " cutoff or a larger tolerance";
     throw Error(message.str());
   }
   best.expected_error = compute_expected_error(s, best);

@@ -24,13 +24,15 @@ class ScriptCheck : protected Pointers {
 
   void check_system()
   {
+    if (!(update->dt > 0.0))
+      error->all(FLERR, "Fix biem: timestep " + std::to_string(update->dt) + " must be positive");
     if (!force->newton_bond)
       error->all(FLERR, "Fix biem: 'newton on' is required, so that each triangle is on one rank");
     if (domain->dimension != 3 || !domain->xperiodic || !domain->yperiodic || !domain->zperiodic)
       error->all(FLERR, "Fix biem: the box must be three-dimensional and periodic: boundary p p p");
     if (utils::strmatch(update->integrate_style, "^respa"))
       error->all(FLERR, "Fix biem: run_style respa is not supported; use run_style verlet");
-    if (neighbor->exclude)
+    if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol)
       error->all(FLERR,
                  "Fix biem: 'neigh_modify exclude' would hide near pairs of nodes; remove it");
     if (atom->nbonds > 0)

@@ -38,13 +38,15 @@ class Arguments : protected Pointers {
   }
   double number(const std::string &keyword)
   {
-    word(keyword);
-    return utils::numeric(FLERR, arg_[next_ - 1], false, lmp);
+    const std::string text = word(keyword);
+    const double value = utils::numeric(FLERR, arg_[next_ - 1], false, lmp);
+    if (!std::isfinite(value)) fail(keyword + " " + text + " is not a finite number");
+    return value;
   }
   double positive(const std::string &keyword)
   {
     const double value = number(keyword);
-    if (!(value > 0.0) || !std::isfinite(value))
+    if (!(value > 0.0))
       fail(keyword + " " + std::string(arg_[next_ - 1]) + " must be a positive number");
     return value;
   }

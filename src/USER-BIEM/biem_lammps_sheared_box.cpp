@@ -2,6 +2,8 @@
 #include "biem_lammps_sheared_box.h"
 #include "atom.h"
 #include "domain.h"
+#include "error.h"
+#include "fmt/format.h"
 #include "irregular.h"
 #include "update.h"
 #include <cmath>
@@ -21,16 +23,24 @@ double ShearedBox::compute_run_strain() const
 void ShearedBox::start()
 {
   if (!is_sheared()) return;
+  const double tilt_per_step = rate_ * domain->zprd * update->dt;
+  if (std::fabs(tilt_per_step) > 0.5 * domain->xprd)
+    error->all(FLERR, fmt::format("Fix biem: timestep {:.6g} shears the box by {:.4g}, more than "
+                                  "half of its length {:.4g}; use a smaller timestep",
+                                  update->dt, tilt_per_step, domain->xprd));
   domain->h_rate[4] = rate_ * domain->zprd;    // LAMMPS' record of how fast xz changes
   const double offset = (tilt_ - domain->xz) / domain->xprd;
   const bool is_same_box = is_started_ && std::fabs(offset - std::round(offset)) < 1e-9;
-  if (is_same_box && base_dt_ == update->dt && last_step_ == update->ntimestep) return;
+  if (is_same_box && base_dt_ == update->dt && base_rate_ == rate_ &&
+      last_step_ == update->ntimestep)
+    return;
   if (!is_same_box) tilt_ = domain->xz;
   is_started_ = true;
   base_tilt_ = tilt_;
   base_strain_ = strain_;
   base_step_ = last_step_ = update->ntimestep;
   base_dt_ = update->dt;
+  base_rate_ = rate_;
 }
 
 bool ShearedBox::advance()
@@ -67,14 +77,8 @@ void ShearedBox::flip_if_needed()
 
 std::vector<double> ShearedBox::get_state() const
 {
-  return {base_tilt_,
-          base_dt_,
-          base_strain_,
-          static_cast<double>(base_step_),
-          tilt_,
-          strain_,
-          static_cast<double>(last_step_),
-          static_cast<double>(n_flips_)};
+  return {base_tilt_, base_dt_, base_strain_, static_cast<double>(base_step_), tilt_, strain_,
+          static_cast<double>(last_step_), static_cast<double>(n_flips_), base_rate_};
 }
 
 void ShearedBox::set_state(const double *state)
@@ -87,6 +91,7 @@ void ShearedBox::set_state(const double *state)
   strain_ = state[5];
   last_step_ = static_cast<bigint>(state[6]);
   n_flips_ = static_cast<bigint>(state[7]);
+  base_rate_ = state[8];
   is_started_ = base_dt_ > 0.0;
 }
 

@@ -27,7 +27,7 @@ class ShearedBox : protected Pointers {
   double strain() const { return strain_; }
   double n_flips() const { return static_cast<double>(n_flips_); }
 
-  static constexpr int kStateSize = 8;
+  static constexpr int kStateSize = 9;
   std::vector<double> get_state() const;
   void set_state(const double *state);
 
@@ -37,7 +37,7 @@ class ShearedBox : protected Pointers {
   double rate_;
   // At step n: strain = base strain + rate (n - base_step) base_dt, unflipped tilt likewise, so
   // that nothing is added up step by step.
-  double base_tilt_ = 0.0, base_strain_ = 0.0, base_dt_ = 0.0;
+  double base_tilt_ = 0.0, base_strain_ = 0.0, base_dt_ = 0.0, base_rate_ = 0.0;
   bigint base_step_ = 0;
   double tilt_ = 0.0, strain_ = 0.0;    // of last_step_
   bigint last_step_ = 0;

@@ -19,10 +19,15 @@ constexpr double kEdgeGrowth = 1.6;
 
 }    // namespace
 
+LammpsSolver::~LammpsSolver()
+{
+  if (comm->cutghostuser == own_comm_cutoff_) comm->cutghostuser = user_comm_cutoff_;
+}
+
 void LammpsSolver::prepare(const NodeGroups &groups, double max_tilt)
 {
   survey_ = survey_meshes(lmp, groups);
-  check_edges();
+  check_lengths();
   keep_volumes();
   choose_parameters(max_tilt);
   set_cutoffs();
@@ -33,14 +38,19 @@ void LammpsSolver::prepare(const NodeGroups &groups, double max_tilt)
   reported_ = text;
 }
 
-void LammpsSolver::check_edges() const
+void LammpsSolver::check_lengths() const
 {
   const double shortest = std::min({domain->xprd, domain->yprd, domain->zprd});
+  if (settings_.cutoff > shortest)
+    error->all(FLERR, fmt::format("Fix biem: cutoff {:.6g} is larger than the shortest box length "
+                                  "{:.6g}, which only costs time; give a smaller one or leave the "
+                                  "keyword out",
+                                  settings_.cutoff, shortest));
   if (survey_.longest_edge > 0.5 * shortest)
-    error->all(FLERR, fmt::format("Fix biem: the longest mesh edge is {:.6g}, more than half of the "
-                                  "shortest box length {:.6g}: refine the mesh or enlarge the box; "
-                                  "if the mesh is fine, the image flags of the nodes of one cell do "
-                                  "not belong together",
+    error->all(FLERR, fmt::format("Fix biem: the longest mesh edge is {:.6g}, more than half of "
+                                  "the shortest box length {:.6g}: refine the mesh or enlarge the "
+                                  "box; if the mesh is fine, the image flags of the nodes of one "
+                                  "cell do not belong together",
                                   survey_.longest_edge, shortest));
 }
 
@@ -93,7 +103,9 @@ void LammpsSolver::set_cutoffs()
                                   "needed (real-space cutoff, edges and skin); remove 'comm_modify "
                                   "cutoff' so that fix biem sets it, or give at least this value",
                                   comm->cutghostuser, needed));
-  if (comm->cutghostuser < needed || is_own) comm->cutghostuser = own_comm_cutoff_ = needed;
+  if (comm->cutghostuser >= needed && !is_own) return;
+  if (!is_own) user_comm_cutoff_ = comm->cutghostuser;
+  comm->cutghostuser = own_comm_cutoff_ = needed;
 }
 
 void LammpsSolver::refresh(NeighList *list)

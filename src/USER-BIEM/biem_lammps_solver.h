@@ -1,5 +1,5 @@
 // The flow solver of one simulation on LAMMPS' atoms: surveys the meshes, chooses the parameters,
-// holds the suspension and its volumes, evaluates velocities. Knows no input script and no time step.
+// holds the suspension and its volumes, evaluates velocities. Knows no input script and no stepper.
 #ifndef BIEM_LAMMPS_SOLVER_H
 #define BIEM_LAMMPS_SOLVER_H
 
@@ -15,6 +15,7 @@ class LammpsSolver : protected Pointers {
       Pointers(lmp), exchange(lmp, fix), settings_(settings)
   {
   }
+  ~LammpsSolver() override;
 
   // Before a run: survey, parameters, cutoffs; says what was chosen if it is new. max_tilt: of xz.
   void prepare(const NodeGroups &groups, double max_tilt);
@@ -36,7 +37,7 @@ class LammpsSolver : protected Pointers {
   LammpsExchange exchange;
 
  private:
-  void check_edges() const;
+  void check_lengths() const;
   void keep_volumes();
   void choose_parameters(double max_tilt);
   void set_cutoffs();
@@ -50,6 +51,7 @@ class LammpsSolver : protected Pointers {
   biem::CellVolumes volumes_;
   double list_cutoff_ = 0.0;
   double own_comm_cutoff_ = -1.0;    // what prepare() has set itself
+  double user_comm_cutoff_ = 0.0;    // what it was before
   std::string reported_;             // setup text of the last run
 };
 

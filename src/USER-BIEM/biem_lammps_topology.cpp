@@ -6,6 +6,7 @@
 #include "domain.h"
 #include "error.h"
 #include "pointers.h"
+#include "update.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -89,6 +90,13 @@ class Surveyor : protected Pointers {
 
   void register_atoms()
   {
+    int64_t lost = kNone;
+    for (int i = 0; i < atom->nlocal; i++)
+      if (!std::isfinite(atom->x[i][0] + atom->x[i][1] + atom->x[i][2]))
+        lost = std::min(lost, static_cast<int64_t>(atom->tag[i]));
+    fail_if(smallest(lost), "atom",
+            "has a position that is not a number at step " + std::to_string(update->ntimestep) +
+                ": check the data file and the commands that move atoms");
     std::vector<std::vector<AtomRecord>> outgoing(n_ranks_);
     for (int i = 0; i < atom->nlocal; i++) {
       AtomRecord record{atom->tag[i], atom->molecule[i], atom->mask[i], 0, {0.0, 0.0, 0.0}};

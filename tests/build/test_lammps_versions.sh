@@ -1,8 +1,9 @@
 #!/bin/sh
-# Usage: test_lammps_versions.sh <work folder>
+# Usage: test_lammps_versions.sh <work folder> [<Debian release> ...]
 # Builds the package into LAMMPS 29Sep2021, 4Feb2025 and 4Jul2026 and as a plugin for each, runs
-# in.versions with all of them, and compares the numbers.  The sources are those of the source packages
-# of three Debian releases; where they cannot be had the test is skipped (exit status 77).
+# in.versions with all of them, and compares the numbers.  The sources are those of the source
+# packages of three Debian releases (bookworm, trixie, forky); where they cannot be had the test is
+# skipped (exit status 77).
 # The first run builds LAMMPS three times (minutes each); later runs in the same folder do not.
 set -eu
 
@@ -10,7 +11,8 @@ here=$(cd "$(dirname "$0")" && pwd)
 repository=$(cd "$here/../.." && pwd)
 mkdir -p "$1"
 work=$(cd "$1" && pwd)
-suites="bookworm trixie forky"
+shift
+suites=${*:-bookworm trixie forky}
 set -a; . "$repository/cmake/mpi_environment"; set +a
 
 fail() { echo "FAILED: $*" >&2; exit 1; }

@@ -1,5 +1,5 @@
 """The number of ranks, their layout and load balancing do not change a trajectory: cells across
-the faces and a corner of a sheared box that flips, tracers, several seconds in all."""
+the faces and a corner of a sheared box that flips, and tracers."""
 
 import unittest
 
@@ -17,7 +17,7 @@ CELLS = (((0.1, 5.9, 0.05), 30.0), ((3.0, 2.9, 5.8), 80.0), ((3.1, 3.0, 2.8), 10
 class Ranks(flow.FlowCase):
     def setUp(self):
         super().setUp()
-        # the box flips in step 26: tilt 2.9 + 6 * 0.004 n > 3 from n = 5 on, again in no later one
+        # the tilt passes 3, half a box length, in step 5: one flip
         self.write(*(flow.make_red_cell(*cell) for cell in CELLS), tilt=(0.0, 2.9, 0.0))
         self.reference = self.trajectory(1)
 
@@ -47,6 +47,11 @@ class Ranks(flow.FlowCase):
             with self.subTest(layout=layout):
                 other = self.trajectory(4, before=f"processors {layout}\n")
                 self.assert_same_frames(self.reference, other, TOLERANCE)
+
+    def test_ranks_without_atoms(self):
+        self.write(flow.make_red_cell((2.0, 2.1, 2.2)), box=(20.0, 20.0, 20.0))
+        one, other = (self.trajectory(n) for n in (1, 4))
+        self.assert_same_frames(one, other, TOLERANCE)
 
     def test_balanced_ranks(self):
         for name, before, after in (

@@ -63,6 +63,14 @@ class Points(flow.FlowCase):
         for n_ranks in (1, 4):
             self.check(script, 1.0, 0.675, 18, n_ranks)
 
+    def test_a_step_of_more_than_half_a_box_is_refused(self):
+        script = (make_points((0, 0, 0)) + "group points union all\n" +
+                  flow.make_flow("shear xz 1.0", timestep=0.76, more="tracers points") + "run 1\n")
+        result = cases.run(script, self.folder)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("Fix biem: timestep 0.76", result.stdout)
+        self.assertIn("more than half", result.stdout)
+
     def test_mean_flow(self):
         script = (make_points((0, 1.0, 0)) + "group points union all\n" +
                   flow.make_flow("mean 1.0 -2.0 0.5", timestep=0.1, more="tracers points") +
