@@ -85,7 +85,7 @@ first=
 for suite in $available; do
   build "$suite"
   run "$suite" built_in
-  run "$suite" plugin -var plugin "$work/$suite/plugin/biemplugin.so"
+  run "$suite" plugin -var use_plugin yes -var plugin "$work/$suite/plugin/biemplugin.so"
   echo "$(grep -h 'define LAMMPS_VERSION' "$work/$suite/tree/src/version.h"):" \
     "$(cat "$work/$suite/built_in.result")"
   first=${first:-$suite}
