@@ -1,8 +1,6 @@
 """Small suspensions in flow: input scripts for fix biem, trajectories of their dumps.
 Builds on styles/membrane_cases.py; knows nothing of what is tested."""
 
-import tempfile
-import unittest
 from pathlib import Path
 
 import numpy as np
@@ -77,16 +75,8 @@ def read_dump(path):
     return frames
 
 
-class FlowCase(unittest.TestCase):
+class FlowCase(cases.FolderCase):
     """A folder of its own for each test, with cells.data for the cells."""
-
-    def setUp(self):
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = Path(self._folder.name)
-        self.data = self.folder / "cells.data"
-
-    def tearDown(self):
-        self._folder.cleanup()
 
     def write(self, *made, box=(6.0, 6.0, 6.0), tilt=(0.0, 0.0, 0.0), **options):
         cases.write_data(self.data, list(made), box=box, tilt=tilt, **options)

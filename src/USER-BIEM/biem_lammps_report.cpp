@@ -44,16 +44,17 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldPa
                            const double cutoffs[2])
 {
   const Scene scene(lmp);
-  std::string text = fmt::format("Fix biem: {} cells, {} nodes, {} triangles, {} tracers\n",
-                                 s.n_cells, s.n_nodes, s.n_triangles, scene.n_atoms() - s.n_nodes);
+  std::string text =
+      fmt::format("Fix biem: {} cells, {} nodes, {} triangles, {} tracers\n", s.n_surfaces,
+                  s.n_nodes, s.n_triangles, scene.n_atoms() - s.n_nodes);
   text += "  viscosity ratio 1: one evaluation of the single layer per step, nothing to solve\n";
   text += "  " + describe_units(scene.unit_style()) + "\n";
   text += fmt::format("  periodic sum (SPME): requested error {:.2g}, expected {:.2g}\n"
                       "    cutoff {:.4g}, splitting {:.4g}, grid {} x {} x {}, B-spline order {}\n",
                       p.tolerance, p.expected_error, p.cutoff, p.splitting, p.grid[0], p.grid[1],
                       p.grid[2], p.order);
-  if (s.n_cells > 0) {
-    const double nodes = static_cast<double>(s.n_nodes) / s.n_cells;
+  if (s.n_surfaces > 0) {
+    const double nodes = static_cast<double>(s.n_nodes) / s.n_surfaces;
     text +=
         fmt::format("  surfaces: {:.0f} nodes a cell, longest edge {:.4g}; expected error with a "
                     "smooth traction {:.2g} %\n",

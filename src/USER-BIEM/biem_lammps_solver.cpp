@@ -76,10 +76,10 @@ void LammpsSolver::choose_parameters(double max_tilt)
   scene.n_targets = static_cast<double>(atom->natoms);
   scene.tolerance = settings_.accuracy;
   scene.min_cutoff = scene.max_cutoff = settings_.cutoff;
-  if (survey_.n_cells > 0) {
+  if (survey_.n_surfaces > 0) {
     double volume = 0.0;
-    for (double v : survey_.volumes) volume += v / survey_.n_cells;
-    scene.body_sources = scene.n_sources / survey_.n_cells;
+    for (double v : survey_.volumes) volume += v / survey_.n_surfaces;
+    scene.body_sources = scene.n_sources / survey_.n_surfaces;
     scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
   }
   const bool is_chosen = parameters_.order > 0 && parameters_.tolerance == scene.tolerance &&
@@ -108,16 +108,21 @@ void LammpsSolver::set_cutoffs()
   comm->cutghostuser = own_comm_cutoff_ = needed;
 }
 
+std::string LammpsSolver::who() const
+{
+  return "Fix biem: step " + std::to_string(update->ntimestep);
+}
+
 void LammpsSolver::refresh(NeighList *list)
 {
-  guarded(lmp, "Fix biem", [&] { scene_->refresh(list); });
+  guarded(lmp, who(), [&] { scene_->refresh(list); });
 }
 
 biem::Evaluation LammpsSolver::evaluate()
 {
   suspension_->set_cell(get_cell(lmp), get_origin(lmp));
   const Eigen::Map<const biem::Points> forces(atom->f[0], 3, atom->nlocal);
-  return guarded(lmp, "Fix biem: step " + std::to_string(update->ntimestep), [&] {
+  return guarded(lmp, who(), [&] {
     return suspension_->evaluate(scene_->get_configuration(), forces, volumes_, exchange);
   });
 }

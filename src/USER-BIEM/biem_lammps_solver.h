@@ -27,6 +27,7 @@ class LammpsSolver : protected Pointers {
   // Velocities, tractions and areas of the owned atoms for the present forces. Collective.
   biem::Evaluation evaluate();
 
+  double longest_edge() const { return survey_.longest_edge; }    // at the start of the run
   double volume_error() const;    // largest relative error over the cells
   const biem::OperatorProfile &profile() const { return suspension_->profile(); }
   const biem::EwaldParameters &parameters() const { return parameters_; }
@@ -37,6 +38,7 @@ class LammpsSolver : protected Pointers {
   LammpsExchange exchange;
 
  private:
+  std::string who() const;    // start of an error message
   void check_lengths() const;
   void keep_volumes();
   void choose_parameters(double max_tilt);

@@ -275,6 +275,7 @@ class Surveyor : protected Pointers {
 
   void check_volumes()
   {
+    for (double volume : survey_.volumes) survey_.n_surfaces += volume != 0.0;
     for (int c = 0; c < survey_.n_cells; c++)
       if (survey_.volumes[c] < 0.0)
         error->all(FLERR, "Fix biem: the surface of molecule " + std::to_string(c + 1) +

@@ -27,6 +27,7 @@ struct NodeGroups {
 
 struct MeshSurvey {
   int n_cells = 0;       // largest molecule id of a surface
+  int n_surfaces = 0;     // how many there are: molecule ids may have gaps
   bigint n_nodes = 0;    // atoms on surfaces
   bigint n_triangles = 0;
   double longest_edge = 0.0;

@@ -4,6 +4,8 @@ Knows nothing of what is tested."""
 import os
 import re
 import subprocess
+import tempfile
+import unittest
 from pathlib import Path
 
 import numpy as np
@@ -137,3 +139,15 @@ def run_thermo(script, directory, n_ranks=1):
     if result.returncode != 0:
         raise AssertionError(f"lmp_biem ended with {result.returncode}:\n{result.stdout[-3000:]}")
     return read_thermo(result.stdout)
+
+
+class FolderCase(unittest.TestCase):
+    """A folder of its own for each test, with a path for the data file of the cells."""
+
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = Path(self._folder.name)
+        self.data = self.folder / "cells.data"
+
+    def tearDown(self):
+        self._folder.cleanup()

@@ -1,9 +1,7 @@
 """compute biem/cell in LAMMPS: geometry, velocity, energies and stresslet of cells that cross
 boundaries, on several ranks, in a sheared box, and the messages for bad input."""
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import numpy as np
 
@@ -44,15 +42,7 @@ def compute_mean_over_surface(positions, values):
     return areas @ values[triangles].mean(axis=1) / areas.sum()
 
 
-class CellCase(unittest.TestCase):
-    def setUp(self):
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = Path(self._folder.name)
-        self.data = self.folder / "cells.data"
-
-    def tearDown(self):
-        self._folder.cleanup()
-
+class CellCase(cases.FolderCase):
     def write(self, *made, **options):
         cases.write_data(self.data, list(made), **options)
 

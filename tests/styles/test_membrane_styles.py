@@ -1,9 +1,7 @@
 """angle_style biem/skalak and dihedral_style biem/bend in LAMMPS: energies, forces, virial,
 periodic images, ranks, restart and data files, and the messages for bad input."""
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import numpy as np
 
@@ -50,15 +48,7 @@ def compute_bending_energy(positions, modulus):
     return energy
 
 
-class MembraneCase(unittest.TestCase):
-    def setUp(self):
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = Path(self._folder.name)
-        self.data = self.folder / "cells.data"
-
-    def tearDown(self):
-        self._folder.cleanup()
-
+class MembraneCase(cases.FolderCase):
     def write(self, *centers, **options):
         cases.write_data(self.data, [make_cell(c) for c in centers], **options)
 
