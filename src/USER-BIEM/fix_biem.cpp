@@ -161,8 +161,8 @@ void FixBiem::initial_integrate(int)
     const biem::Vec3 relative =
         biem::compute_displacement(impl->settings.stepper, velocity, previous, dt, a[kPreviousDt]);
     if (relative.norm() > impl->solver.longest_edge() && impl->groups.is_cell(atom->mask[i]))
-      error->one(FLERR, fmt::format("Fix biem: step {}: atom {} of molecule {} would move by {:.3g} "
-                                    "relative to the flow, more than the longest edge: the "
+      error->one(FLERR, fmt::format("Fix biem: step {}: atom {} of molecule {} would move by "
+                                    "{:.3g} relative to the flow, more than the longest edge: the "
                                     "timestep is far too large",
                                     update->ntimestep, atom->tag[i], atom->molecule[i],
                                     relative.norm()));
