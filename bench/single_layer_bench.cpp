@@ -43,7 +43,7 @@ struct Lattice {
   }
 };
 
-EwaldParameters choose(const Lattice &l, double tolerance, int n_cells)
+EwaldParameters choose(const Lattice &l, double tolerance, int n_cells, EwaldMethod method)
 {
   EwaldScene scene;
   scene.cell = l.cell;
@@ -53,6 +53,7 @@ EwaldParameters choose(const Lattice &l, double tolerance, int n_cells)
   scene.body_sources = scene.n_sources / n_cells;
   scene.body_radius = 1.0;
   scene.tolerance = tolerance;
+  scene.method = method;
   return choose_ewald_parameters(scene);
 }
 
@@ -66,8 +67,8 @@ struct Rank {
   Points density;
   SingleLayerOperator single_layer;
 
-  Rank(const Lattice &l, double tolerance, int n_cells) :
-      parameters(choose(l, tolerance, n_cells)),
+  Rank(const Lattice &l, double tolerance, int n_cells, EwaldMethod method) :
+      parameters(choose(l, tolerance, n_cells, method)),
       ghosts(l.nodes, l.cell, parameters.cutoff + 2.0 * l.longest_edge),
       single_layer(MPI_COMM_SELF, parameters)
   {
@@ -89,12 +90,13 @@ struct Rank {
   }
 };
 
-// Arguments: cells along each axis, nodes per cell, -log10(tolerance).
+// Arguments: cells along each axis, nodes per cell, -log10(tolerance), 0 = SPME or 1 = PSWF.
 void evaluate_single_layer(benchmark::State &state)
 {
   const int n = static_cast<int>(state.range(0)), n_cells = n * n * n;
   const Lattice lattice(n, static_cast<int>(state.range(1)));
-  Rank rank(lattice, std::pow(10.0, -static_cast<double>(state.range(2))), n_cells);
+  const EwaldMethod method = state.range(3) ? EwaldMethod::Pswf : EwaldMethod::Spme;
+  Rank rank(lattice, std::pow(10.0, -static_cast<double>(state.range(2))), n_cells, method);
   Points velocity;
   long n_runs = 0;
   for (auto _ : state) {
@@ -110,20 +112,15 @@ void evaluate_single_layer(benchmark::State &state)
   state.counters["fourier_ms"] = 1e3 * profile.fourier / n_runs;
   state.counters["real_pairs"] = static_cast<double>(profile.n_real_pairs);
   state.counters["near_pairs"] = static_cast<double>(profile.n_near_pairs);
-  const Points exact = Rank(lattice, 1e-8, n_cells).apply();
+  const Points exact = Rank(lattice, 1e-8, n_cells, EwaldMethod::Spme).apply();
   state.counters["error"] = (velocity - exact).norm() / exact.norm();
 }
 BENCHMARK(evaluate_single_layer)
     ->Unit(benchmark::kMillisecond)
-    ->ArgNames({"cells_per_axis", "nodes", "digits"})
-    ->Args({1, 162, 3})
-    ->Args({1, 642, 3})
-    ->Args({2, 162, 3})
-    ->Args({2, 642, 2})
-    ->Args({2, 642, 3})
-    ->Args({2, 642, 4})
-    ->Args({2, 642, 6})
-    ->Args({3, 642, 3});
+    ->ArgNames({"cells_per_axis", "nodes", "digits", "pswf"})
+    ->ArgsProduct({{1, 2}, {162, 642}, {2, 3, 4, 6}, {0, 1}})
+    ->Args({3, 642, 3, 0})
+    ->Args({3, 642, 3, 1});
 
 void integrate_near_triangle(benchmark::State &state)
 {

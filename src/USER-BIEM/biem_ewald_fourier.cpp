@@ -1,8 +1,6 @@
-// SPME on slabs: spread, transform, project and scale, transform back, interpolate.
+// Particle-mesh sum on slabs: spread, transform, project and scale, transform back, interpolate.
 #include "biem_ewald_fourier.h"
 #include "biem_error.h"
-#include "biem_ewald_bspline.h"
-#include "biem_ewald_split.h"
 #include <cmath>
 #include <complex>
 #include <cstring>
@@ -10,7 +8,7 @@
 
 namespace biem {
 
-// B-spline weights of all points that touch this rank's planes, order values per axis and point.
+// Window weights of all points that touch this rank's planes, order values per axis and point.
 struct FourierSum::Windows {
   std::vector<int> first;         // 3 per point, wrapped into the grid
   std::vector<double> weights;    // 3 * order per point
@@ -34,12 +32,10 @@ struct FourierSum::Plans {
 };
 
 FourierSum::FourierSum(MPI_Comm comm, const EwaldParameters &parameters) :
-    comm_(comm), parameters_(parameters), plans_(std::make_unique<Plans>()),
+    comm_(comm), parameters_(parameters), window_(make_window(parameters)),
+    factors_(*make_split(parameters), parameters.band_limit), plans_(std::make_unique<Plans>()),
     source_windows_(std::make_unique<Windows>()), target_windows_(std::make_unique<Windows>())
 {
-  if (parameters.order < 3 || parameters.order > kMaxBsplineOrder)
-    throw Error("B-spline order " + std::to_string(parameters.order) + " is out of range (3 to " +
-                std::to_string(kMaxBsplineOrder) + ")");
   fftw_mpi_init();    // may be called any number of times
   const ptrdiff_t n[3] = {parameters.grid[0], parameters.grid[1], parameters.grid[2]};
   const ptrdiff_t complex_n[3] = {n[0], n[1], n[2] / 2 + 1};
@@ -64,7 +60,7 @@ FourierSum::FourierSum(MPI_Comm comm, const EwaldParameters &parameters) :
   layout_ = make_slab_layout(comm, parameters.grid[0], static_cast<int>(p.first_plane),
                              static_cast<int>(p.n_planes));
   for (int a = 0; a < 3; a++)
-    influence_[a] = compute_influence_factors(parameters.order, parameters.grid[a]);
+    influence_[a] = compute_influence_factors(*window_, parameters.grid[a]);
 }
 
 FourierSum::~FourierSum() = default;
@@ -103,8 +99,8 @@ void FourierSum::compute_windows(const Points &fractional, Windows &windows) con
   for (Eigen::Index i = 0; i < n; i++)
     for (int a = 0; a < 3; a++) {
       const int grid = parameters_.grid[a];
-      const int first = compute_bspline_weights(order, fractional(a, i) * grid,
-                                                &windows.weights[(3 * i + a) * order]);
+      const int first =
+          window_->compute_weights(fractional(a, i) * grid, &windows.weights[(3 * i + a) * order]);
       windows.first[3 * i + a] = first < 0 ? first + grid : first;
     }
 }
@@ -128,7 +124,7 @@ void FourierSum::spread(const Windows &w, const Points &strengths)
   const int order = parameters_.order;
   const auto [m0, m1, m2] = parameters_.grid;
   std::memset(plans_->grid, 0, plans_->size * sizeof(double));
-  std::array<double, 3 * kMaxBsplineOrder> column;    // weight of axis 2 times the force
+  std::array<double, 3 * kMaxWindowOrder> column;    // weight of axis 2 times the force
   for (Eigen::Index i = 0; i < strengths.cols(); i++) {
     const int *first = &w.first[3 * i];
     const double *w0 = &w.weights[3 * order * i], *w1 = w0 + order, *w2 = w1 + order;
@@ -158,7 +154,7 @@ void FourierSum::interpolate(const Windows &w, Points &values) const
   const int order = parameters_.order;
   const auto [m0, m1, m2] = parameters_.grid;
   auto *self = const_cast<FourierSum *>(this);    // grid_at is shared with spread
-  std::array<double, 3 * kMaxBsplineOrder> column;
+  std::array<double, 3 * kMaxWindowOrder> column;
   for (Eigen::Index i = 0; i < values.cols(); i++) {
     const int *first = &w.first[3 * i];
     const double *w0 = &w.weights[3 * order * i], *w1 = w0 + order, *w2 = w1 + order;
@@ -189,7 +185,6 @@ void FourierSum::apply_kernel()
   const auto [m0, m1, m2] = parameters_.grid;
   const int half = m2 / 2 + 1;
   const Mat3 reciprocal = 2.0 * M_PI * inverse_cell_.transpose();    // columns b_0, b_1, b_2
-  const GaussianSplit split(parameters_.splitting);
   const double limit2 = parameters_.band_limit * parameters_.band_limit;
   const double scale = 8.0 * M_PI / std::fabs(cell_.determinant());
   auto *grid = reinterpret_cast<std::complex<double> *>(plans_->grid);
@@ -210,7 +205,7 @@ void FourierSum::apply_kernel()
           mode[0] = mode[1] = mode[2] = 0.0;
           continue;
         }
-        const double g = factor * influence_[2][n2] * split.fourier_factor(k2) / k2;
+        const double g = factor * influence_[2][n2] * factors_.value(k2) / k2;
         const std::complex<double> along = (k[0] * mode[0] + k[1] * mode[1] + k[2] * mode[2]) / k2;
         for (int c = 0; c < 3; c++)
           mode[c] = g * (mode[c] - k[c] * along);

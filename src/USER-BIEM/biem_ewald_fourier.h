@@ -1,4 +1,4 @@
-// Fourier part of the periodic Stokeslet sum by smooth particle mesh Ewald on FFTW-MPI slabs.
+// Fourier part of the periodic Stokeslet sum on a particle mesh, on FFTW-MPI slabs.
 // The grid is fixed for the worst tilt; a new cell only changes the wave vectors.
 // Knows no surfaces and no real-space part. doc/theory, label spme.
 #ifndef BIEM_EWALD_FOURIER_H
@@ -41,6 +41,8 @@ class FourierSum {
 
   MPI_Comm comm_;
   EwaldParameters parameters_;
+  std::unique_ptr<EwaldWindow> window_;
+  FourierFactorTable factors_;
   std::unique_ptr<Plans> plans_;
   SlabLayout layout_;
   Mat3 cell_ = Mat3::Identity(), inverse_cell_ = Mat3::Identity();

@@ -1,12 +1,21 @@
-// From a relative tolerance to every parameter of the SPME sum: cutoff, splitting, grid, order.
+// From a relative tolerance to every parameter of the periodic sum: cutoff, split, grid, window.
 // Error model and cost model; knows no points and no ranks, so that every rank count and every
 // restart of a scene gets the same parameters. doc/theory, label ewald-errors.
 #ifndef BIEM_EWALD_PARAMETERS_H
 #define BIEM_EWALD_PARAMETERS_H
 
+#include "biem_ewald_split.h"
+#include "biem_ewald_window.h"
 #include "biem_types.h"
+#include <string>
 
 namespace biem {
+
+// Spme: Gaussian split, B-splines, as in the paper. Pswf: split by the prolate spheroidal wave
+// function, Kaiser-Bessel window: smaller grid and cheaper real space for the same error.
+enum class EwaldMethod { Spme, Pswf };
+EwaldMethod parse_ewald_method(const std::string &name);
+std::string describe(EwaldMethod method);
 
 // What the choice depends on.
 struct EwaldScene {
@@ -17,15 +26,18 @@ struct EwaldScene {
   double body_sources = 0.0;    // sources of one closed surface (0: points are spread evenly)
   double body_radius = 0.0;     // its equivalent radius [length]
   double tolerance = 1e-3;      // relative to the rms velocity of randomly placed, random forces
-  double min_cutoff = 0.0;      // override: cutoff in [min, max], 0 = free
+  EwaldMethod method = EwaldMethod::Spme;
+  double min_cutoff = 0.0;    // override: cutoff in [min, max], 0 = free
   double max_cutoff = 0.0;
 };
 
 struct EwaldParameters {
+  EwaldMethod method = EwaldMethod::Spme;
   double cutoff = 0.0;            // real-space cutoff [length]
-  double splitting = 0.0;         // Gaussian splitting xi [1/length]
-  double band_limit = 0.0;        // largest |k| kept [1/length]
-  int order = 0;                  // B-spline order
+  double splitting = 0.0;         // Gaussian splitting xi [1/length]; PSWF: not used
+  double band_limit = 0.0;        // largest |k| kept [1/length]; PSWF: bandwidth / cutoff
+  int order = 0;                  // support of the window, grid points
+  double oversampling = 0.0;      // of the Kaiser-Bessel window
   std::array<int, 3> grid{};      // points along each lattice vector
   double tolerance = 0.0;         // requested
   double expected_error = 0.0;    // predicted, same norm
@@ -36,6 +48,9 @@ EwaldParameters choose_ewald_parameters(const EwaldScene &scene);
 
 // Predicted relative rms error of given parameters: real space, truncated Fourier series, aliasing.
 double compute_expected_error(const EwaldScene &scene, const EwaldParameters &parameters);
+
+std::unique_ptr<EwaldSplit> make_split(const EwaldParameters &parameters);
+std::unique_ptr<EwaldWindow> make_window(const EwaldParameters &parameters);
 
 // Smallest integer >= n without prime factors above 7.
 int next_fft_size(int n);

@@ -1,6 +1,6 @@
 // Slab routing: see the header.
 #include "biem_ewald_slab.h"
-#include "biem_ewald_bspline.h"
+#include "biem_ewald_window.h"
 #include <algorithm>
 #include <cmath>
 
@@ -32,7 +32,7 @@ void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView 
   std::vector<std::vector<int>> destinations(n_ranks);
   for (int i = 0; i < fractional.cols(); i++) {
     const int first = static_cast<int>(std::floor(fractional(0, i) * n_planes - 0.5 * order)) + 1;
-    std::array<int, kMaxBsplineOrder> seen{};
+    std::array<int, kMaxWindowOrder> seen{};
     int n_seen = 0;
     for (int j = 0; j < order; j++) {
       const int rank = layout.owner[((first + j) % n_planes + n_planes) % n_planes];

@@ -1,4 +1,4 @@
-// Gaussian split: see the header.
+// Polynomial form of the real-space kernel, and the Gaussian split: see the header.
 #include "biem_ewald_split.h"
 #include "biem_error.h"
 #include <algorithm>
@@ -86,16 +86,33 @@ double GaussianSplit::truncated_self(double k_max) const
   return 8.0 * xi_ / (3.0 * M_PI) * (x * std::exp(-x * x) + 1.5 * kSqrtPi * std::erfc(x));
 }
 
-RealSpaceKernel GaussianSplit::make_real_space_kernel(double cutoff, double tolerance) const
+FourierFactorTable::FourierFactorTable(const EwaldSplit &split, double band_limit) :
+    intervals_per_k_(kIntervals / band_limit), values_(kIntervals + 4)
+{
+  for (int i = 0; i < kIntervals + 4; i++)
+    values_[i] = split.fourier_factor(std::pow((i - 1) / intervals_per_k_, 2));
+}
+
+double FourierFactorTable::value(double k2) const
+{
+  const double position = std::sqrt(k2) * intervals_per_k_;
+  const int i = std::min(static_cast<int>(position), kIntervals);
+  const double x = position - i;
+  const double *v = &values_[i];    // values at i - 1, i, i + 1, i + 2: Lagrange's cubic
+  return -x * (x - 1.0) * (x - 2.0) / 6.0 * v[0] + (x * x - 1.0) * (x - 2.0) / 2.0 * v[1] -
+         x * (x + 1.0) * (x - 2.0) / 2.0 * v[2] + x * (x * x - 1.0) / 6.0 * v[3];
+}
+
+RealSpaceKernel make_real_space_kernel(const EwaldSplit &split, double cutoff, double tolerance)
 {
   RealSpaceKernel kernel;
   kernel.cutoff = cutoff;
   auto radius = [cutoff](double v) {
     return cutoff * std::sqrt(0.5 * (v + 1.0));
   };
-  kernel.isotropic =
-      fit_polynomial([&](double v) { return isotropic_remainder(radius(v)); }, tolerance / cutoff);
-  kernel.dyadic = fit_polynomial([&](double v) { return dyadic_remainder(radius(v)); },
+  kernel.isotropic = fit_polynomial([&](double v) { return split.isotropic_remainder(radius(v)); },
+                                    tolerance / cutoff);
+  kernel.dyadic = fit_polynomial([&](double v) { return split.dyadic_remainder(radius(v)); },
                                  tolerance / (cutoff * cutoff * cutoff));
   return kernel;
 }

@@ -1,5 +1,6 @@
-// Gaussian (Hasimoto) split of the periodic Stokeslet sum: S = real(r) + Fourier(k).
-// Formulas only; knows no points, grids or ranks. doc/theory, label ewald-split.
+// How the periodic Stokeslet sum is split into a real-space and a Fourier part: the contract.
+// S = real(r) + Fourier(k). Formulas only; knows no points, grids or ranks.
+// doc/theory, label ewald-split.
 #ifndef BIEM_EWALD_SPLIT_H
 #define BIEM_EWALD_SPLIT_H
 
@@ -15,20 +16,43 @@ struct RealSpaceKernel {
   std::vector<double> dyadic;       // B: the same [1/length^3]
 };
 
-class GaussianSplit {
+class EwaldSplit {
  public:
-  explicit GaussianSplit(double xi) : xi_(xi) {}    // xi [1/length]
+  virtual ~EwaldSplit() = default;
 
-  // Fourier factor gamma(k^2), multiplies 8 pi/k^2 (I - kk/k^2).
-  double fourier_factor(double k2) const;
-  // Smooth remainder A(r), B(r) of the real-space part (see RealSpaceKernel), exact.
-  double isotropic_remainder(double r) const;
-  double dyadic_remainder(double r) const;
-  // What a band limit k <= k_max takes away from A(0): add strength * this at coincident points.
-  double truncated_self(double k_max) const;
+  // gamma(k^2), multiplies 8 pi/k^2 (I - kk/k^2); also beyond the band limit, for error estimates.
+  virtual double fourier_factor(double k2) const = 0;
+  // Smooth remainder A(r), B(r) of the real-space part, exact.
+  virtual double isotropic_remainder(double r) const = 0;
+  virtual double dyadic_remainder(double r) const = 0;
+  // What the band limit k <= k_max takes away from A(0): add strength * this at coincident points.
+  virtual double truncated_self(double k_max) const = 0;
+};
 
-  // Polynomials to absolute accuracy tolerance / cutoff.
-  RealSpaceKernel make_real_space_kernel(double cutoff, double tolerance) const;
+// Polynomials to absolute accuracy tolerance / cutoff.
+RealSpaceKernel make_real_space_kernel(const EwaldSplit &split, double cutoff, double tolerance);
+
+// fourier_factor() on k <= band_limit as a table in k, cubic interpolation, error below 1e-9.
+class FourierFactorTable {
+ public:
+  FourierFactorTable(const EwaldSplit &split, double band_limit);
+  double value(double k2) const;
+
+ private:
+  static constexpr int kIntervals = 2000;
+  double intervals_per_k_;
+  std::vector<double> values_;    // one point before 0, two after the band limit
+};
+
+// Gaussian split of Hasimoto, J. Fluid Mech. 5, 317 (1959); xi [1/length].
+class GaussianSplit : public EwaldSplit {
+ public:
+  explicit GaussianSplit(double xi) : xi_(xi) {}
+
+  double fourier_factor(double k2) const override;
+  double isotropic_remainder(double r) const override;
+  double dyadic_remainder(double r) const override;
+  double truncated_self(double k_max) const override;
 
  private:
   double xi_;

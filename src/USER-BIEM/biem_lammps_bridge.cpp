@@ -95,28 +95,26 @@ biem::Vec3 get_origin(LAMMPS *lmp)
 
 std::vector<double> to_state(const biem::EwaldParameters &p)
 {
-  return {p.cutoff,
-          p.splitting,
-          p.band_limit,
-          static_cast<double>(p.order),
-          static_cast<double>(p.grid[0]),
-          static_cast<double>(p.grid[1]),
-          static_cast<double>(p.grid[2]),
-          p.tolerance,
+  return {static_cast<double>(p.method),  p.cutoff,
+          p.splitting,                    p.band_limit,
+          p.oversampling,                 static_cast<double>(p.order),
+          static_cast<double>(p.grid[0]), static_cast<double>(p.grid[1]),
+          static_cast<double>(p.grid[2]), p.tolerance,
           p.expected_error};
 }
 
 biem::EwaldParameters to_ewald_parameters(const double *state)
 {
   biem::EwaldParameters p;
-  p.cutoff = state[0];
-  p.splitting = state[1];
-  p.band_limit = state[2];
-  p.order = static_cast<int>(state[3]);
-  for (int a = 0; a < 3; a++)
-    p.grid[a] = static_cast<int>(state[4 + a]);
-  p.tolerance = state[7];
-  p.expected_error = state[8];
+  p.method = static_cast<biem::EwaldMethod>(static_cast<int>(state[0]));
+  p.cutoff = state[1];
+  p.splitting = state[2];
+  p.band_limit = state[3];
+  p.oversampling = state[4];
+  p.order = static_cast<int>(state[5]);
+  for (int a = 0; a < 3; a++) p.grid[a] = static_cast<int>(state[6 + a]);
+  p.tolerance = state[9];
+  p.expected_error = state[10];
   return p;
 }
 

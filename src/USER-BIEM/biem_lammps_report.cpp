@@ -49,10 +49,10 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldPa
                   s.n_nodes, s.n_triangles, scene.n_atoms() - s.n_nodes);
   text += "  viscosity ratio 1: one evaluation of the single layer per step, nothing to solve\n";
   text += "  " + describe_units(scene.unit_style()) + "\n";
-  text += fmt::format("  periodic sum (SPME): requested error {:.2g}, expected {:.2g}\n"
-                      "    cutoff {:.4g}, splitting {:.4g}, grid {} x {} x {}, B-spline order {}\n",
-                      p.tolerance, p.expected_error, p.cutoff, p.splitting, p.grid[0], p.grid[1],
-                      p.grid[2], p.order);
+  text += fmt::format("  periodic sum ({}): requested error {:.2g}, expected {:.2g}\n"
+                      "    cutoff {:.4g}, band limit {:.4g}, grid {} x {} x {}, window order {}\n",
+                      biem::describe(p.method), p.tolerance, p.expected_error, p.cutoff,
+                      p.band_limit, p.grid[0], p.grid[1], p.grid[2], p.order);
   if (s.n_surfaces > 0) {
     const double nodes = static_cast<double>(s.n_nodes) / s.n_surfaces;
     text +=

@@ -20,8 +20,7 @@ const std::map<std::string, std::string> kRefused = {
     {"viscosity/ratio", "cells have the viscosity of the suspending fluid (ratio 1)"},
     {"rigid", "rigid particles are not available: make every surface a deformable cell"},
     {"wall", "walls are not available: the box is periodic in x, y and z"},
-    {"probes", "use 'tracers' with 'run 0' for velocities at given points"},
-    {"ewald", "the periodic sum is computed by SPME; its parameters follow from 'accuracy'"}};
+    {"probes", "use 'tracers' with 'run 0' for velocities at given points"}};
 
 // A cursor over the arguments that knows how to complain.
 class Arguments : protected Pointers {
@@ -105,13 +104,16 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     s.stepper = biem::parse_stepper(arguments.word(keyword));
   } else if (keyword == "traction") {
     s.suspension.traction = biem::parse_traction(arguments.word(keyword));
+  } else if (keyword == "ewald") {
+    s.ewald = biem::parse_ewald_method(arguments.word(keyword));
   } else if (kRefused.count(keyword)) {
     arguments.fail("keyword '" + keyword +
                    "' is not part of this version: " + kRefused.at(keyword));
   } else {
-    arguments.fail("unknown keyword '" + keyword +
-                   "': allowed are viscosity, accuracy, flow, cells, tracers, stepper, traction, "
-                   "cutoff");
+    arguments.fail(
+        "unknown keyword '" + keyword +
+        "': allowed are viscosity, accuracy, flow, cells, tracers, stepper, traction, ewald, "
+        "cutoff");
   }
 }
 

@@ -19,6 +19,7 @@ struct FixBiemSettings {
   double viscosity = 0.0;                 // as given, in the unit of the unit style
   double accuracy = 0.0;
   double cutoff = 0.0;    // 0: chosen from the accuracy
+  biem::EwaldMethod ewald = biem::EwaldMethod::Spme;
   Flow flow = Flow::None;
   biem::BackgroundFlow background;
   biem::Stepper stepper = biem::Stepper::AdamsBashforth2;

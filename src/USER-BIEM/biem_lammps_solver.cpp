@@ -75,16 +75,19 @@ void LammpsSolver::choose_parameters(double max_tilt)
   scene.n_sources = static_cast<double>(survey_.n_nodes + survey_.n_triangles);
   scene.n_targets = static_cast<double>(atom->natoms);
   scene.tolerance = settings_.accuracy;
+  scene.method = settings_.ewald;
   scene.min_cutoff = scene.max_cutoff = settings_.cutoff;
   if (survey_.n_surfaces > 0) {
     double volume = 0.0;
-    for (double v : survey_.volumes) volume += v / survey_.n_surfaces;
+    for (double v : survey_.volumes)
+      volume += v / survey_.n_surfaces;
     scene.body_sources = scene.n_sources / survey_.n_surfaces;
     scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
   }
-  const bool is_chosen = parameters_.order > 0 && parameters_.tolerance == scene.tolerance &&
-      parameter_lengths_ == scene.cell.diagonal() &&
-      (settings_.cutoff == 0.0 || parameters_.cutoff == settings_.cutoff);
+  const bool is_chosen = parameters_.order > 0 && parameters_.method == scene.method &&
+                         parameters_.tolerance == scene.tolerance &&
+                         parameter_lengths_ == scene.cell.diagonal() &&
+                         (settings_.cutoff == 0.0 || parameters_.cutoff == settings_.cutoff);
   suspension_ = guarded(lmp, "Fix biem", [&] {
     if (!is_chosen) parameters_ = biem::choose_ewald_parameters(scene);
     return std::make_unique<biem::Suspension>(world, parameters_, settings_.suspension);
@@ -151,7 +154,8 @@ const double *LammpsSolver::set_state(const double *state)
   parameters_ = to_ewald_parameters(state);
   state += kEwaldStateSize;
   own_comm_cutoff_ = *state++;
-  for (int a = 0; a < 3; a++) parameter_lengths_[a] = *state++;
+  for (int a = 0; a < 3; a++)
+    parameter_lengths_[a] = *state++;
   const int n_cells = static_cast<int>(*state++);
   volumes_.reference.assign(state, state + n_cells);
   return state + n_cells;

@@ -10,7 +10,7 @@ constexpr double kKernelMargin = 0.02;
 
 RealSpaceKernel make_kernel(const EwaldParameters &p)
 {
-  return GaussianSplit(p.splitting).make_real_space_kernel(p.cutoff, kKernelMargin * p.tolerance);
+  return make_real_space_kernel(*make_split(p), p.cutoff, kKernelMargin * p.tolerance);
 }
 
 // Sources of the far rule: owned nodes on a surface, then one interior point per element.
@@ -42,7 +42,7 @@ FarSources make_far_sources(const SurfaceShare &s, PointsView density)
 
 SingleLayerOperator::SingleLayerOperator(MPI_Comm comm, const EwaldParameters &parameters) :
     parameters_(parameters), real_space_(make_kernel(parameters)), fourier_(comm, parameters),
-    truncated_self_(GaussianSplit(parameters.splitting).truncated_self(parameters.band_limit))
+    truncated_self_(make_split(parameters)->truncated_self(parameters.band_limit))
 {
 }
 

@@ -204,13 +204,14 @@ class Arguments(InputCase):
             ("viscosity 1 accuracy 1e-3 flow shear xy 1", ("flow shear xy", "shear xz")),
             ("viscosity 1 accuracy 1e-3 flow pipe", ("unknown flow 'pipe'",)),
             (good + "stepper rkc2", ("unknown stepper 'rkc2'", "ab2", "euler")),
+            (good + "ewald direct", ("unknown ewald method 'direct'", "spme", "pswf")),
             (good + "traction smooth", ("unknown traction 'smooth'", "lumped", "consistent"))])
 
     def test_keywords_of_other_methods(self):
         good = "viscosity 1 accuracy 1e-3 flow none "
         self.expect_argument_errors([
             (good + keyword, (f"'{keyword.split()[0]}'", "not part of this version"))
-            for keyword in ("viscosity/ratio 5", "rigid all", "wall z", "ewald 1 2 3")])
+            for keyword in ("viscosity/ratio 5", "rigid all", "wall z", "probes all")])
 
     def test_coefficients(self):
         styles, scripts = flow.make_styles(), []
