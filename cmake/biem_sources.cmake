@@ -7,6 +7,7 @@ set(BIEM_CORE_SOURCES
   biem_ewald_error_model.cpp
   biem_ewald_fourier.cpp
   biem_ewald_parameters.cpp
+  biem_ewald_polynomial.cpp
   biem_ewald_real_space.cpp
   biem_ewald_slab.cpp
   biem_ewald_split.cpp

@@ -1,9 +1,9 @@
 // Polynomial form of the real-space kernel, and the Gaussian split: see the header.
 #include "biem_ewald_split.h"
 #include "biem_error.h"
+#include "biem_ewald_polynomial.h"
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 
 namespace biem {
@@ -18,14 +18,7 @@ constexpr int kMaxDegree = 60;
 std::vector<double> fit_polynomial(const std::function<double(double)> &f, double tolerance)
 {
   const int n = 2 * kMaxDegree;
-  std::vector<double> sample(n), chebyshev(n, 0.0);
-  for (int j = 0; j < n; j++)
-    sample[j] = f(std::cos(M_PI * (j + 0.5) / n));
-  for (int k = 0; k < n; k++) {
-    for (int j = 0; j < n; j++)
-      chebyshev[k] += sample[j] * std::cos(M_PI * k * (j + 0.5) / n);
-    chebyshev[k] *= (k == 0 ? 1.0 : 2.0) / n;
-  }
+  const std::vector<double> chebyshev = interpolate_chebyshev(f, n);
   int degree = n - 1;
   double tail = 0.0;
   while (degree > 1 && tail + std::fabs(chebyshev[degree]) < tolerance)
@@ -34,20 +27,7 @@ std::vector<double> fit_polynomial(const std::function<double(double)> &f, doubl
     throw Error("real-space kernel needs a polynomial of degree " + std::to_string(degree) +
                 " (at most " + std::to_string(kMaxDegree) +
                 "): the product of splitting parameter and cutoff is too large");
-  std::vector<double> result(degree + 1, 0.0), previous{1.0}, current{0.0, 1.0};
-  result[0] = chebyshev[0];
-  for (int k = 1; k <= degree; k++) {
-    for (size_t i = 0; i < current.size(); i++)
-      result[i] += chebyshev[k] * current[i];
-    std::vector<double> next(current.size() + 1, 0.0);
-    for (size_t i = 0; i < current.size(); i++)
-      next[i + 1] = 2.0 * current[i];
-    for (size_t i = 0; i < previous.size(); i++)
-      next[i] -= previous[i];
-    previous = std::move(current);
-    current = std::move(next);
-  }
-  return result;
+  return to_monomials(chebyshev, degree);
 }
 
 }    // namespace

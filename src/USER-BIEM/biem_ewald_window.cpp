@@ -1,5 +1,6 @@
 // Windows: see the header.
 #include "biem_ewald_window.h"
+#include "biem_ewald_polynomial.h"
 #include <algorithm>
 #include <cmath>
 
@@ -65,38 +66,22 @@ KaiserBesselWindow::KaiserBesselWindow(int order, double oversampling) :
     padded_((order + kLanes - 1) / kLanes * kLanes)
 {
   norm_ = 1.0 / (order * std::sinh(beta_) / beta_);
-  // One polynomial in x = 2 u - 1 per grid point, from Chebyshev points, monomial coefficients.
-  const double tolerance = 0.1 * std::exp(-beta_);
-  for (degree_ = 3; degree_ < 20; degree_++) {
-    const int n = degree_ + 1;
+  // One polynomial in x = 2 u - 1 per grid point, a tenth as wrong as the window itself is.
+  constexpr int kMaxDegree = 20;
+  const double tolerance = std::max(0.1 * std::exp(-beta_), 1e-15) * norm_ * bessel_i0(beta_);
+  double error = 2.0 * tolerance;
+  for (degree_ = 3; degree_ < kMaxDegree && error > tolerance;) {
+    const int n = ++degree_ + 1;
     coefficients_.assign(n * padded_, 0.0);
-    double error = 0.0;
+    error = 0.0;
     for (int j = 0; j < order; j++) {
-      std::vector<double> chebyshev(n, 0.0), previous{1.0}, current{0.0, 1.0}, monomial(n, 0.0);
+      const std::vector<double> chebyshev = interpolate_chebyshev(
+          [&](double x) { return compute_value(0.5 * (x + 1.0) + j - 0.5 * order); }, n);
+      const std::vector<double> monomials = to_monomials(chebyshev, degree_);
       for (int k = 0; k < n; k++)
-        for (int i = 0; i < n; i++) {
-          const double angle = M_PI * (i + 0.5) / n;
-          const double u = 0.5 * (std::cos(angle) + 1.0);
-          chebyshev[k] +=
-              (k == 0 ? 1.0 : 2.0) / n * std::cos(k * angle) * compute_value(u + j - 0.5 * order);
-        }
-      monomial[0] = chebyshev[0];
-      for (int k = 1; k < n; k++) {
-        for (size_t i = 0; i < current.size(); i++)
-          monomial[i] += chebyshev[k] * current[i];
-        std::vector<double> next(current.size() + 1, 0.0);
-        for (size_t i = 0; i < current.size(); i++)
-          next[i + 1] = 2.0 * current[i];
-        for (size_t i = 0; i < previous.size(); i++)
-          next[i] -= previous[i];
-        previous = std::move(current);
-        current = std::move(next);
-      }
-      for (int k = 0; k < n; k++)
-        coefficients_[k * padded_ + j] = monomial[k];
+        coefficients_[k * padded_ + j] = monomials[k];
       error = std::max(error, std::fabs(chebyshev[n - 1]) + std::fabs(chebyshev[n - 2]));
     }
-    if (error < tolerance * norm_ * bessel_i0(beta_)) break;
   }
 }
 

@@ -159,9 +159,10 @@ TEST(Windows, TransformIsTheFourierTransformOfTheWeights)
 {
   // sum over grid points and a full period of positions of w exp(-2 pi i f (m - s)) = W(f)
   const BsplineWindow bspline(6);
-  const KaiserBesselWindow kaiser(8, 1.5);
+  const KaiserBesselWindow kaiser(8, 1.5), widest(12, 2.9);
   for (const EwaldWindow *window : {static_cast<const EwaldWindow *>(&bspline),
-                                    static_cast<const EwaldWindow *>(&kaiser)})
+                                    static_cast<const EwaldWindow *>(&kaiser),
+                                    static_cast<const EwaldWindow *>(&widest)})
     for (double f : {0.0, 0.1, 0.3, 0.7}) {
       constexpr int kPositions = 4000;
       double sum = 0.0;

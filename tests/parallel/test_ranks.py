@@ -66,6 +66,13 @@ class Ranks(flow.FlowCase):
         self.assertGreater(np.abs(one[0][:, 6:9] - self.reference[0][:, 6:9]).max(), 1e-6)
         self.assert_same_frames(one, other, TOLERANCE)
 
+    def test_pswf_split(self):
+        one, other = (self.trajectory(n, more="ewald pswf") for n in (1, 4))
+        difference = np.abs(one[0][:, 6:9] - self.reference[0][:, 6:9]).max()
+        self.assertGreater(difference, 1e-8)
+        self.assertLess(difference, 1e-3)    # the accuracy of both sums, velocities of order 1
+        self.assert_same_frames(one, other, TOLERANCE)
+
     def test_cells_with_tracers(self):
         tracers = ("lattice sc 1.2 origin 0.3 0.4 0.2\nregion r block INF INF INF INF INF INF\n"
                    "group nodes molecule > 0\ncreate_atoms 1 region r\n"

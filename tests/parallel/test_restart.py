@@ -83,6 +83,14 @@ class Restart(Case):
             second = self.restarted_run("middle", HALF, kind=kind)
             self.assert_same_frames(second, whole, SAME_RANKS)
 
+    def test_pswf_split(self):
+        more = "ewald pswf"
+        self.write_cells(FLIP_AFTER)
+        whole = self.whole_run(f"run {HALF}\nwrite_restart middle\nrun {HALF}\n", more=more)
+        self.assertIn("PSWF split", self.output)
+        second = self.restarted_run("middle", HALF, more=more)
+        self.assert_same_frames(second, whole, SAME_RANKS)
+
     def test_another_shear_rate_after_the_restart(self):
         self.write_cells(0.0)
         self.whole_run("run 30\nwrite_restart middle\n")
