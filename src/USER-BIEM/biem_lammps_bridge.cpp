@@ -58,27 +58,6 @@ void LammpsExchange::unpack_reverse(int n, const int *list, const double *buffer
 
 namespace {
 
-// Reads the box through Pointers, whose members are protected.
-class Box : protected Pointers {
- public:
-  explicit Box(LAMMPS *lmp) : Pointers(lmp) {}
-  biem::Mat3 cell() const
-  {
-    biem::Mat3 h = biem::Mat3::Zero();
-    h.diagonal() = biem::Vec3(domain->xprd, domain->yprd, domain->zprd);
-    if (domain->triclinic) {
-      h(0, 1) = domain->xy;
-      h(0, 2) = domain->xz;
-      h(1, 2) = domain->yz;
-    }
-    return h;
-  }
-  biem::Vec3 origin() const
-  {
-    return biem::Vec3(domain->boxlo[0], domain->boxlo[1], domain->boxlo[2]);
-  }
-};
-
 // An edge may grow by this between two reneighborings without leaving the near list.
 constexpr double kListMargin = 1.1;
 
@@ -86,11 +65,20 @@ constexpr double kListMargin = 1.1;
 
 biem::Mat3 get_cell(LAMMPS *lmp)
 {
-  return Box(lmp).cell();
+  const Domain &domain = *lmp->domain;
+  biem::Mat3 cell = biem::Mat3::Zero();
+  cell.diagonal() = biem::Vec3(domain.xprd, domain.yprd, domain.zprd);
+  if (domain.triclinic) {
+    cell(0, 1) = domain.xy;
+    cell(0, 2) = domain.xz;
+    cell(1, 2) = domain.yz;
+  }
+  return cell;
 }
+
 biem::Vec3 get_origin(LAMMPS *lmp)
 {
-  return Box(lmp).origin();
+  return Eigen::Map<const biem::Vec3>(lmp->domain->boxlo);
 }
 
 std::vector<double> to_state(const biem::EwaldParameters &p)

@@ -2,7 +2,7 @@
 #include "biem_lammps_report.h"
 #include "atom.h"
 #include "fmt/format.h"
-#include "pointers.h"
+#include "lammps.h"
 #include "update.h"
 #include <map>
 
@@ -11,15 +11,8 @@ namespace LAMMPS_NS {
 namespace {
 
 // Error of the velocity of a smooth traction on flat triangles: 0.55 % at 642 nodes a cell, second
-// order (doc/validation.md).
+// order (doc/theory, label accuracy).
 constexpr double kSmoothErrorPercent = 0.55, kSmoothErrorNodes = 642.0;
-
-class Scene : protected Pointers {
- public:
-  explicit Scene(LAMMPS *lmp) : Pointers(lmp) {}
-  std::string unit_style() const { return update->unit_style; }
-  bigint n_atoms() const { return atom->natoms; }
-};
 
 // In which units moduli and viscosity are.
 std::string describe_units(const std::string &style)
@@ -43,12 +36,11 @@ std::string describe_units(const std::string &style)
 std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldParameters &p,
                            const double cutoffs[2])
 {
-  const Scene scene(lmp);
   std::string text =
       fmt::format("Fix biem: {} cells, {} nodes, {} triangles, {} tracers\n", s.n_surfaces,
-                  s.n_nodes, s.n_triangles, scene.n_atoms() - s.n_nodes);
+                  s.n_nodes, s.n_triangles, lmp->atom->natoms - s.n_nodes);
   text += "  viscosity ratio 1: one evaluation of the single layer per step, nothing to solve\n";
-  text += "  " + describe_units(scene.unit_style()) + "\n";
+  text += "  " + describe_units(lmp->update->unit_style) + "\n";
   text += fmt::format("  periodic sum ({}): requested error {:.2g}, expected {:.2g}\n"
                       "    cutoff {:.4g}, band limit {:.4g}, grid {} x {} x {}, window order {}\n",
                       biem::describe(p.method), p.tolerance, p.expected_error, p.cutoff,

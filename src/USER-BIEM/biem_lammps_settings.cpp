@@ -4,6 +4,7 @@
 #include "error.h"
 #include "force.h"
 #include "group.h"
+#include "lammps.h"
 #include "pointers.h"
 #include "update.h"
 #include "utils.h"
@@ -145,21 +146,14 @@ double viscosity_factor(LAMMPS *lmp)
 {
   // Poise -> force * time / length^2 through LAMMPS' own pressure conversion nktv2p:
   // 0.1 Pa s in units of (pressure unit) * (time unit), divided by nktv2p.
-  class Units : protected Pointers {
-   public:
-    explicit Units(LAMMPS *l) : Pointers(l) {}
-    double factor()
-    {
-      const std::string style = update->unit_style;
-      if (style == "real") return 0.1 / 101325.0 * 1e15 / force->nktv2p;    // atm, fs
-      if (style == "metal") return 0.1 / 1e5 * 1e12 / force->nktv2p;        // bar, ps
-      if (style == "electron")
-        error->all(FLERR, "Fix biem: units electron has no unit of viscosity; use lj, si, cgs, "
-                          "micro, nano, real or metal");
-      return 1.0;
-    }
-  };
-  return Units(lmp).factor();
+  const std::string style = lmp->update->unit_style;
+  const double nktv2p = lmp->force->nktv2p;
+  if (style == "real") return 0.1 / 101325.0 * 1e15 / nktv2p;    // atm, fs
+  if (style == "metal") return 0.1 / 1e5 * 1e12 / nktv2p;        // bar, ps
+  if (style == "electron")
+    lmp->error->all(FLERR, "Fix biem: units electron has no unit of viscosity; use lj, si, cgs, "
+                           "micro, nano, real or metal");
+  return 1.0;
 }
 
 }    // namespace LAMMPS_NS

@@ -151,3 +151,13 @@ class FolderCase(unittest.TestCase):
 
     def tearDown(self):
         self._folder.cleanup()
+
+    def expect_error(self, script, *parts, n_ranks=1, folder=None):
+        """The script is refused; parts: of the message; a|b: one of the two, where LAMMPS versions
+        differ."""
+        result = run(script, folder or self.folder, n_ranks)
+        self.assertNotEqual(result.returncode, 0, "accepted:\n" + result.stdout[-2000:])
+        errors = " ".join(line for line in result.stdout.splitlines() if "ERROR" in line)
+        self.assertTrue(errors, "no message:\n" + result.stdout[-2000:])
+        for part in parts:
+            self.assertTrue(any(word in errors for word in part.split("|")), f"no {part}: {errors}")

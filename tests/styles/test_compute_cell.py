@@ -176,13 +176,6 @@ class Interface(CellCase):
 
 
 class BadInput(CellCase):
-    def expect_error(self, script, *parts):
-        result = cases.run(script, self.folder)
-        self.assertNotEqual(result.returncode, 0, result.stdout[-2000:])
-        errors = " ".join(line for line in result.stdout.splitlines() if "ERROR" in line)
-        for part in parts:
-            self.assertIn(part, errors)
-
     def test_arguments_and_molecules(self):
         self.write(make_cell((2, 2, 2), (0.8, 0.8, 0.9)))
         self.expect_error(self.script("compute c all biem/cell volume\n"), "no arguments", "volume")

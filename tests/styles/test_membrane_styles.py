@@ -166,13 +166,6 @@ class Files(MembraneCase):
 
 
 class BadInput(MembraneCase):
-    def expect_error(self, script, *parts):
-        result = cases.run(script, self.folder)
-        self.assertNotEqual(result.returncode, 0, result.stdout[-2000:])
-        errors = " ".join(line for line in result.stdout.splitlines() if "ERROR" in line)
-        for part in parts:
-            self.assertIn(part, errors)
-
     def test_coefficients(self):
         self.write((2, 2, 2))
         for old, new, parts in (
