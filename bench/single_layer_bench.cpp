@@ -122,19 +122,6 @@ BENCHMARK(evaluate_single_layer)
     ->Args({3, 642, 3, 0})
     ->Args({3, 642, 3, 1});
 
-void integrate_near_triangle(benchmark::State &state)
-{
-  const TriangleFrame frame = make_triangle_frame(Vec3(0, 0, 0), Vec3(1, 0.1, 0), Vec3(0.4, 1, 0.2));
-  const LinearDensity density = make_linear_density(frame, Mat3::Identity());
-  Vec3 target(0.3, 0.2, 0.05), sum = Vec3::Zero();
-  for (auto _ : state) {
-    sum += compute_single_layer(frame, density, target);
-    target[0] = 0.3 + 1e-3 * std::fmod(sum[0], 1.0);
-    benchmark::DoNotOptimize(sum);
-  }
-}
-BENCHMARK(integrate_near_triangle);
-
 }    // namespace
 
 int main(int argc, char **argv)

@@ -18,11 +18,11 @@ target_link_libraries(biem_fftw INTERFACE ${BIEM_FFTW_MPI_LIBRARY} ${BIEM_FFTW_L
 
 # Everything that meets an Eigen type must see the same instruction set (Eigen's alignment depends
 # on it), so the flag is shared and not private.  NaN and infinity keep their meaning: the package
-# tests for them, so -ffast-math is not an option here.  -Wno-maybe-uninitialized: GCC 12 warns of
+# tests for them, so -ffast-math is not an option here.  -Wno-(maybe-)uninitialized: GCC 12 warns of
 # its own AVX-512 header.
 add_library(biem_options INTERFACE)
 target_compile_features(biem_options INTERFACE cxx_std_17)
 target_compile_options(biem_options INTERFACE
-  -Wall -Wextra -Wno-maybe-uninitialized -fno-math-errno -fno-trapping-math -fopenmp-simd
+  -Wall -Wextra -Wno-maybe-uninitialized -Wno-uninitialized -fno-math-errno -fno-trapping-math -fopenmp-simd
   $<$<BOOL:${BIEM_NATIVE}>:-march=native>)
 target_compile_definitions(biem_options INTERFACE OMPI_SKIP_MPICXX=1 MPICH_SKIP_MPICXX=1)

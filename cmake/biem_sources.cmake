@@ -4,14 +4,18 @@ set(BIEM_SOURCE_DIR ${CMAKE_CURRENT_LIST_DIR}/../src/USER-BIEM)
 # Core: namespace biem, no LAMMPS header.
 set(BIEM_CORE_SOURCES
   biem_element_flat.cpp
+  biem_ewald_cost.cpp
   biem_ewald_error_model.cpp
   biem_ewald_fourier.cpp
+  biem_ewald_grid.cpp
   biem_ewald_parameters.cpp
   biem_ewald_polynomial.cpp
   biem_ewald_real_space.cpp
   biem_ewald_slab.cpp
   biem_ewald_split.cpp
   biem_ewald_split_pswf.cpp
+  biem_ewald_spread.cpp
+  biem_ewald_sum.cpp
   biem_ewald_window.cpp
   biem_membrane_bend.cpp
   biem_membrane_skalak.cpp

@@ -30,18 +30,30 @@ class SurfaceElements {
   // one interior point with the rest of its area and the mean density.
   virtual double nodal_fraction() const = 0;
   virtual void compute_interior_points(PointsRef points) const = 0;    // 3 x n_elements
+  // Single layer: area times mean density of the interior points.
   virtual void compute_interior_strengths(PointsView density, PointsRef strengths) const = 0;
+  // Double layer: outward normals times the area of the far rule (nodes: adds, 3 x n), and the
+  // mean density that belongs to the interior points (3 x n_elements).
+  virtual void add_nodal_normals(PointsRef normals) const = 0;
+  virtual void compute_interior_normals(PointsRef normals) const = 0;
+  virtual void compute_interior_means(PointsView density, PointsRef means) const = 0;
 
   // Adds int (consistent mass) * density to result: 3 x n each.
   virtual void add_mass_product(PointsView density, PointsRef result) const = 0;
 
-  // Distance from the target to the element's nearest node, squared.
-  virtual double squared_distance(int element, const Vec3 &target) const = 0;
+  // Of the candidates (n columns of nodes), in their order, those within distance of one of the
+  // element's nodes: written to found, which has room for n; returns their number.
+  virtual int find_within(int element, double distance, const int *candidates, int n,
+                          PointsView nodes, int *found) const = 0;
 
-  // Closed form minus far rule of the free-space single layer of element at target.
-  // prepare_near() is called once per density (3 x n) before any correction.
-  virtual void prepare_near(PointsView density) = 0;
-  virtual Vec3 compute_near_correction(int element, const Vec3 &target) const = 0;
+  // Densities of the near corrections, 3 x n each, or 3 x 0 for a layer that is not present: the
+  // single layer's f and the double layer's q. Called once per density and geometry.
+  virtual void prepare_near(PointsView single_layer_density, PointsView double_layer_density) = 0;
+  // velocities (3 x n_all) of the n targets (columns of nodes) += closed form minus far rule of
+  // the element's free-space integrals, int (I/r + rr/r^3) f dA and int -6 r (r.q)(r.n)/r^5 dA.
+  // The result at a target does not depend on the other targets. Throws Error if not prepared.
+  virtual void add_near_corrections(int element, const int *targets, int n, PointsView nodes,
+                                    PointsRef velocities) const = 0;
 };
 
 }    // namespace biem

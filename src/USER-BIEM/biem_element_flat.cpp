@@ -1,8 +1,7 @@
 // Flat triangles: geometry, degree-2 far rule, consistent mass, near correction.
 #include "biem_element_flat.h"
 #include "biem_error.h"
-#include "biem_kernel_stokeslet.h"
-#include <algorithm>
+#include "biem_simd_math.h"
 #include <cmath>
 
 namespace biem {
@@ -11,11 +10,66 @@ namespace {
 // Degree-2 rule on a triangle: vertices area/12 each, centroid 3/4 area.
 constexpr double kVertexWeight = 1.0 / 12.0;
 constexpr double kCentroidWeight = 3.0 / 4.0;
+
+// Columns index[0 ... n) of points, one per lane; the last one fills the rest.
+BIEM_INLINE PointPack gather(PointsView points, const int *index, int n)
+{
+  const double *p[kLanes];
+  for (int l = 0; l < kLanes; l++)
+    p[l] = points.data() + points.outerStride() * index[l < n ? l : n - 1];
+  PointPack x;
+#pragma GCC unroll 8
+  for (int l = 0; l < kLanes; l++) {
+    x.x[l] = p[l][0];
+    x.y[l] = p[l][1];
+    x.z[l] = p[l][2];
+  }
+  return x;
+}
+
+BIEM_INLINE PointPack subtract(const PointPack &a, const Vec3 &b)
+{
+  return {a.x - b[0], a.y - b[1], a.z - b[2]};
+}
+
+BIEM_INLINE Pack dot(const PointPack &a, const Vec3 &b)
+{
+  return a.x * b[0] + a.y * b[1] + a.z * b[2];
+}
+
+BIEM_INLINE Pack squared_norm(const PointPack &a)
+{
+  return a.x * a.x + a.y * a.y + a.z * a.z;
+}
+
+// velocity -= one point of the far rule, single-layer strength f (or null) and double-layer
+// strength q (or null) with unit normal n; zero at a target that coincides with the point.
+BIEM_INLINE void subtract_rule_point(PointPack &velocity, const PointPack &r, const Vec3 *f,
+                                     const Vec3 *q, const Vec3 &n)
+{
+  const Pack zero = {}, r2 = squared_norm(r);
+  const Mask apart = less(zero, r2);
+  const Pack inverse = select(apart, inverse_square_root(select(apart, r2, broadcast(1.0))), zero);
+  const Pack inverse2 = inverse * inverse, inverse3 = inverse * inverse2;
+  Pack along = zero;
+  if (f) {
+    along = dot(r, *f) * inverse3;
+    velocity.x -= inverse * (*f)[0];
+    velocity.y -= inverse * (*f)[1];
+    velocity.z -= inverse * (*f)[2];
+  }
+  if (q) along -= 6.0 * dot(r, *q) * dot(r, n) * (inverse3 * inverse2);
+  velocity.x -= along * r.x;
+  velocity.y -= along * r.y;
+  velocity.z -= along * r.z;
+}
 }    // namespace
 
 void FlatElements::set_geometry(PointsView nodes, const std::vector<Triangle> &triangles)
 {
   triangles_ = triangles;
+  n_nodes_ = nodes.cols();
+  single_ = double_ = PreparedDensity();
   const size_t n = triangles.size();
   corners_.resize(n);
   frames_.resize(n);
@@ -77,6 +131,29 @@ void FlatElements::compute_interior_strengths(PointsView density, PointsRef stre
   }
 }
 
+void FlatElements::add_nodal_normals(PointsRef normals) const
+{
+  for (int e = 0; e < n_elements(); e++) {
+    const Vec3 share = (kVertexWeight * area(e)) * frames_[e].normal;
+    for (int v = 0; v < 3; v++)
+      normals.col(triangles_[e][v]) += share;
+  }
+}
+
+void FlatElements::compute_interior_normals(PointsRef normals) const
+{
+  for (int e = 0; e < n_elements(); e++)
+    normals.col(e) = (kCentroidWeight * area(e)) * frames_[e].normal;
+}
+
+void FlatElements::compute_interior_means(PointsView density, PointsRef means) const
+{
+  for (int e = 0; e < n_elements(); e++) {
+    const Triangle &t = triangles_[e];
+    means.col(e) = (density.col(t[0]) + density.col(t[1]) + density.col(t[2])) / 3.0;
+  }
+}
+
 void FlatElements::add_mass_product(PointsView density, PointsRef result) const
 {
   for (int e = 0; e < n_elements(); e++) {
@@ -87,33 +164,90 @@ void FlatElements::add_mass_product(PointsView density, PointsRef result) const
   }
 }
 
-double FlatElements::squared_distance(int e, const Vec3 &target) const
+int FlatElements::find_within(int e, double distance, const int *candidates, int n,
+                              PointsView nodes, int *found) const
 {
-  return std::min({(corners_[e][0] - target).squaredNorm(), (corners_[e][1] - target).squaredNorm(),
-                   (corners_[e][2] - target).squaredNorm()});
+  int n_found = 0;
+  const std::array<Vec3, 3> &x = corners_[e];
+  for (int k = 0; k < n; k += kLanes) {
+    const int m = n - k < kLanes ? n - k : kLanes;
+    const PointPack targets = gather(nodes, candidates + k, m);
+    Pack nearest = squared_norm(subtract(targets, x[0]));
+    for (int v = 1; v < 3; v++) {
+      const Pack other = squared_norm(subtract(targets, x[v]));
+      nearest = select(less(other, nearest), other, nearest);
+    }
+    double squared[kLanes];
+    store(squared, nearest);
+    for (int l = 0; l < m; l++) {    // written always and kept if near: no branch to mispredict
+      found[n_found] = candidates[k + l];
+      n_found += squared[l] <= distance * distance;
+    }
+  }
+  return n_found;
 }
 
-void FlatElements::prepare_near(PointsView density)
+FlatElements::PreparedDensity FlatElements::prepare(PointsView density, const char *layer) const
 {
-  densities_.resize(triangles_.size());
-  rule_strengths_.resize(triangles_.size());
+  PreparedDensity prepared;
+  if (density.cols() == 0) return prepared;
+  if (density.cols() < n_nodes_)
+    throw Error("near corrections: the " + std::string(layer) + "-layer density has " +
+                std::to_string(density.cols()) + " values for " + std::to_string(n_nodes_) +
+                " nodes; give one for every node, ghosts included, or none");
+  prepared.linear.resize(triangles_.size());
+  prepared.rule.resize(triangles_.size());
   for (int e = 0; e < n_elements(); e++) {
     Mat3 f;
     for (int v = 0; v < 3; v++)
       f.col(v) = density.col(triangles_[e][v]);
-    densities_[e] = make_linear_density(frames_[e], f);
+    prepared.linear[e] = make_linear_density(frames_[e], f);
     for (int v = 0; v < 3; v++)
-      rule_strengths_[e][v] = (kVertexWeight * area(e)) * f.col(v);
-    rule_strengths_[e][3] = (kCentroidWeight * area(e) / 3.0) * f.rowwise().sum();
+      prepared.rule[e][v] = (kVertexWeight * area(e)) * f.col(v);
+    prepared.rule[e][3] = (kCentroidWeight * area(e) / 3.0) * f.rowwise().sum();
   }
+  return prepared;
 }
 
-Vec3 FlatElements::compute_near_correction(int e, const Vec3 &target) const
+void FlatElements::prepare_near(PointsView single_layer_density, PointsView double_layer_density)
 {
-  Vec3 u = compute_single_layer(frames_[e], densities_[e], target);
-  for (int v = 0; v < 3; v++)
-    u -= compute_stokeslet(target - corners_[e][v], rule_strengths_[e][v]);
-  return u - compute_stokeslet(target - centroid(e), rule_strengths_[e][3]);
+  single_ = prepare(single_layer_density, "single");
+  double_ = prepare(double_layer_density, "double");
+}
+
+template <Layers layers>
+PointPack FlatElements::compute_corrections(int e, const PointPack &targets) const
+{
+  const LinearDensity *f = has_single(layers) ? &single_.linear[e] : nullptr;
+  const LinearDensity *q = has_double(layers) ? &double_.linear[e] : nullptr;
+  PointPack u = integrate_near_triangle<layers>(frames_[e], f, q, targets);
+  for (int v = 0; v < 4; v++)
+    subtract_rule_point(u, subtract(targets, v < 3 ? corners_[e][v] : centroid(e)),
+                        has_single(layers) ? &single_.rule[e][v] : nullptr,
+                        has_double(layers) ? &double_.rule[e][v] : nullptr, frames_[e].normal);
+  return u;
+}
+
+void FlatElements::add_near_corrections(int e, const int *targets, int n, PointsView nodes,
+                                        PointsRef velocities) const
+{
+  const bool is_single = !single_.linear.empty(), is_double = !double_.linear.empty();
+  if (!is_single && !is_double)
+    throw Error("near corrections were asked for without a density: call prepare_near() after "
+                "every set_geometry(), with a single-layer or a double-layer density");
+  for (int k = 0; k < n; k += kLanes) {
+    const int m = n - k < kLanes ? n - k : kLanes;
+    const PointPack x = gather(nodes, targets + k, m);
+    const PointPack u = !is_double   ? compute_corrections<Layers::Single>(e, x)
+                        : !is_single ? compute_corrections<Layers::Double>(e, x)
+                                     : compute_corrections<Layers::Both>(e, x);
+    for (int l = 0; l < m; l++) {
+      double *velocity = velocities.data() + velocities.outerStride() * targets[k + l];
+      velocity[0] += u.x[l];
+      velocity[1] += u.y[l];
+      velocity[2] += u.z[l];
+    }
+  }
 }
 
 }    // namespace biem

@@ -20,20 +20,34 @@ class FlatElements : public SurfaceElements {
   double nodal_fraction() const override { return 0.25; }
   void compute_interior_points(PointsRef points) const override;
   void compute_interior_strengths(PointsView density, PointsRef strengths) const override;
+  void add_nodal_normals(PointsRef normals) const override;
+  void compute_interior_normals(PointsRef normals) const override;
+  void compute_interior_means(PointsView density, PointsRef means) const override;
   void add_mass_product(PointsView density, PointsRef result) const override;
-  double squared_distance(int element, const Vec3 &target) const override;
-  void prepare_near(PointsView density) override;
-  Vec3 compute_near_correction(int element, const Vec3 &target) const override;
+  int find_within(int element, double distance, const int *candidates, int n, PointsView nodes,
+                  int *found) const override;
+  void prepare_near(PointsView single_layer_density, PointsView double_layer_density) override;
+  void add_near_corrections(int element, const int *targets, int n, PointsView nodes,
+                            PointsRef velocities) const override;
 
  private:
+  // A density of prepare_near in the form that the near corrections need.
+  struct PreparedDensity {
+    std::vector<LinearDensity> linear;        // in the element's frame
+    std::vector<std::array<Vec3, 4>> rule;    // vertices, centroid; times area of the far rule
+  };
+
   Vec3 centroid(int element) const;
+  PreparedDensity prepare(PointsView density, const char *layer) const;
+  template <Layers layers>
+  PointPack compute_corrections(int element, const PointPack &targets) const;
 
   std::vector<Triangle> triangles_;
   std::vector<std::array<Vec3, 3>> corners_;
   std::vector<TriangleFrame> frames_;
   std::vector<double> mean_edges_;
-  std::vector<LinearDensity> densities_;               // of prepare_near, in the element's frame
-  std::vector<std::array<Vec3, 4>> rule_strengths_;    // vertices, centroid
+  Eigen::Index n_nodes_ = 0;
+  PreparedDensity single_, double_;    // empty: not present
 };
 
 }    // namespace biem

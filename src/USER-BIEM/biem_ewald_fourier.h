@@ -1,55 +1,52 @@
-// Fourier part of the periodic Stokeslet sum on a particle mesh, on FFTW-MPI slabs.
-// The grid is fixed for the worst tilt; a new cell only changes the wave vectors.
+// Fourier part of the periodic single and double layer sums on a particle mesh, on FFTW-MPI slabs:
+// 3 forward (4 with a double layer) and 3 backward real transforms. The grid is fixed for the worst
+// tilt; a new cell only changes the wave vectors. Without the k = 0 terms.
 // Knows no surfaces and no real-space part. doc/theory, label spme.
 #ifndef BIEM_EWALD_FOURIER_H
 #define BIEM_EWALD_FOURIER_H
 
-#include "biem_ewald_parameters.h"
-#include "biem_ewald_slab.h"
-#include "biem_types.h"
-#include <memory>
-#include <mpi.h>
+#include "biem_ewald_grid.h"
 
 namespace biem {
 
+// CPU seconds of this rank since construction.
+struct FourierProfile {
+  double windows = 0.0, spread = 0.0, transform = 0.0, kernel = 0.0, interpolate = 0.0;
+  double exchange = 0.0;    // points and values to and from the slabs
+
+  double total() const { return windows + spread + transform + kernel + interpolate + exchange; }
+};
+
 class FourierSum {
  public:
-  // Collective over comm. Plans three interleaved real-to-complex transforms.
-  FourierSum(MPI_Comm comm, const EwaldParameters &parameters);
-  ~FourierSum();
-  FourierSum(const FourierSum &) = delete;
-  FourierSum &operator=(const FourierSum &) = delete;
+  FourierSum(MPI_Comm comm, const EwaldParameters &parameters);    // collective
 
   // cell: columns = lattice vectors, upper triangular; origin: its corner. The tilts are first
   // reduced to [-1/2, 1/2) of the lattice vector, so that a flip of the box changes nothing.
   void set_cell(const Mat3 &cell, const Vec3 &origin);
-  // This rank's sources and targets anywhere in space (3 x n): routed, windows computed.
-  // Collective.
-  void set_points(PointsView sources, PointsView targets);
-  // velocities (3 x n_targets) += Fourier part for strengths (3 x n_sources). Collective.
-  void add_single_layer(PointsView strengths, PointsRef velocities);
+  // This rank's sources and targets anywhere in space (3 x n): routed, windows computed. normals of
+  // the sources times their areas, or 3 x 0 when no double layer will be asked for. Collective.
+  void set_points(PointsView targets, PointsView sources, PointsView normals);
+  // velocities (3 x n_targets) += Fourier part. forces of the single and densities of the double
+  // layer: 3 x n_sources each, not read when layers does not ask for them. Collective.
+  void add_layers(Layers layers, PointsView forces, PointsView densities, PointsRef velocities);
+
+  const FourierProfile &profile() const { return profile_; }
 
  private:
-  struct Windows;
-  struct Plans;
-  void compute_windows(const Points &fractional, Windows &windows) const;
   Points to_fractional(PointsView points) const;
-  void spread(const Windows &windows, const Points &strengths);
-  void interpolate(const Windows &windows, Points &values) const;
-  void apply_kernel();
-  double &grid_at(int plane, int row);
+  void spread(Layers layers, PointsView forces, PointsView densities);
 
   MPI_Comm comm_;
   EwaldParameters parameters_;
   std::unique_ptr<EwaldWindow> window_;
-  FourierFactorTable factors_;
-  std::unique_ptr<Plans> plans_;
-  SlabLayout layout_;
+  EwaldGrid grid_;
   Mat3 cell_ = Mat3::Identity(), inverse_cell_ = Mat3::Identity();
   Vec3 origin_ = Vec3::Zero();
-  std::array<std::vector<double>, 3> influence_;    // per axis and mode
   SlabRouter source_router_, target_router_;
-  std::unique_ptr<Windows> source_windows_, target_windows_;
+  PointWindows source_windows_, target_windows_;
+  Points normals_;    // of the routed sources
+  FourierProfile profile_;
 };
 
 }    // namespace biem

@@ -1,11 +1,11 @@
 // Choice of the parameters by cost: see the header and doc/theory, label ewald-errors.
 #include "biem_ewald_parameters.h"
 #include "biem_error.h"
+#include "biem_ewald_cost.h"
 #include "biem_ewald_error_model.h"
 #include "biem_ewald_split_pswf.h"
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <sstream>
 
@@ -15,18 +15,9 @@ namespace {
 
 constexpr double kMostGridPoints = 2e9;         // what a large cluster can still hold
 constexpr double kTightestTolerance = 1e-10;    // double precision leaves no margin below
-// Shares of the tolerance for the independent error sources, in quadrature with a margin.
-constexpr double kSpmeShare = 0.42;    // real space, truncation, aliasing
-// The sharp band limit may fall on a shell of many modes of a small cell, 3 times the average
-// error.
-constexpr double kPswfShare = 0.25;    // truncation, aliasing
-
-// Nanoseconds on one AVX-512 core (bench/ewald); only their ratios matter. Fixed numbers, not a
-// measurement at setup, so that a scene has the same parameters on every machine.
-constexpr double kPairCost = 8.0;
-constexpr double kGridVisitCost = 0.55;    // per window point, source or target, three components
-constexpr double kGridPointCost = 25.0;    // FFTs and scaling of a 32^3 grid, three components
-
+// Shares of the tolerance for the independent error sources, added in quadrature.
+constexpr double kSpmeShare = 0.40;    // real space, truncation, aliasing
+constexpr double kPswfShare = 0.45;    // truncation, aliasing
 constexpr double kFinestOversampling = 3.0, kOversamplingStep = 0.05;
 
 double volume(const EwaldScene &s)
@@ -34,46 +25,24 @@ double volume(const EwaldScene &s)
   return std::fabs(s.cell.determinant());
 }
 
-// Length of each lattice vector in the worst tilt.
-Vec3 worst_lengths(const EwaldScene &s)
-{
-  Vec3 c = s.cell.col(2);
-  c[0] = std::max(std::fabs(c[0]), s.max_tilt);
-  return Vec3(s.cell.col(0).norm(), s.cell.col(1).norm(), c.norm());
-}
-
 // Root of a decreasing function, by bisection in [low, high].
 template <class Function> double find_root(Function f, double target, double low, double high)
 {
-  for (int i = 0; i < 40; i++) {
+  for (int i = 0; i < 30; i++) {
     const double middle = 0.5 * (low + high);
     (f(middle) > target ? low : high) = middle;
   }
   return high;
 }
 
-// Pairs within the cutoff per target: the target's own body plus the average density of the rest.
-double expected_neighbors(const EwaldScene &s, double cutoff)
-{
-  double own = 0.0;
-  if (s.body_radius > 0.0)
-    own = s.body_sources * std::min(1.0, std::pow(0.5 * cutoff / s.body_radius, 2));
-  return own + s.n_sources * 4.0 / 3.0 * M_PI * std::pow(cutoff, 3) / volume(s);
-}
-
-double cost(const EwaldScene &s, const EwaldParameters &p)
-{
-  const double points = static_cast<double>(p.grid[0]) * p.grid[1] * p.grid[2];
-  return kPairCost * s.n_targets * expected_neighbors(s, p.cutoff) +
-         kGridVisitCost * std::pow(p.order, 3) * (s.n_sources + s.n_targets) +
-         kGridPointCost * points * std::log2(points) / 15.0;
-}
-
 void set_grid(const EwaldScene &s, double spacing, EwaldParameters &p)
 {
   const Vec3 lengths = worst_lengths(s);
   for (int a = 0; a < 3; a++)
-    p.grid[a] = next_fft_size(std::max(p.order, static_cast<int>(std::ceil(lengths[a] / spacing))));
+    p.grid[a] =
+        s.grid[a] > 0
+            ? s.grid[a]
+            : next_fft_size(std::max(p.order, static_cast<int>(std::ceil(lengths[a] / spacing))));
 }
 
 // Of one order, for oversamplings 1 + kOversamplingStep, 1 + 2 kOversamplingStep, ...; made once.
@@ -87,95 +56,156 @@ const std::vector<AliasingTable> &get_kaiser_tables(int order)
   return tables;
 }
 
-// Chooses the cheapest parameters of one method over cutoffs and orders.
-class Chooser {
+// Errors of all layers of a scene.
+class SceneErrors {
  public:
-  explicit Chooser(const EwaldScene &scene) : scene_(scene), model_(volume(scene)) {}
-
-  EwaldParameters choose()
+  explicit SceneErrors(const EwaldScene &s)
   {
-    const double length = std::cbrt(volume(scene_));
-    const double low = scene_.min_cutoff > 0.0 ? scene_.min_cutoff : 0.05 * length;
-    const double high = scene_.max_cutoff > 0.0 ? scene_.max_cutoff : 0.6 * length;
-    constexpr int kCutoffs = 40;
-    const bool is_spme = scene_.method == EwaldMethod::Spme;
-    for (int order :
-         is_spme ? std::vector<int>{4, 6, 8, 10} : std::vector<int>{4, 5, 6, 7, 8, 9, 10, 11, 12}) {
-      tables_ = is_spme ? std::vector<AliasingTable>{AliasingTable(BsplineWindow(order))}
-                        : get_kaiser_tables(order);
-      for (int i = 0; i <= kCutoffs; i++) {
-        EwaldParameters p;
-        p.method = scene_.method;
-        p.order = order;
-        p.tolerance = scene_.tolerance;
-        p.cutoff = low * std::pow(high / low, static_cast<double>(i) / kCutoffs);
-        if (is_spme ? fill_spme(p) : fill_pswf(p)) keep_if_cheaper(p);
-      }
-    }
-    if (best_.order == 0) {
-      std::ostringstream message;
-      message << "accuracy " << scene_.tolerance << " cannot be met with a cutoff between " << low
-              << " and " << high << " in this cell: the grid would be too large; allow a larger"
-              << " cutoff or a larger tolerance";
-      throw Error(message.str());
-    }
-    best_.expected_error = compute_expected_error(scene_, best_);
-    return best_;
+    if (has_single(s.layers)) models_.emplace_back(Layers::Single, volume(s), s.n_sources);
+    if (has_double(s.layers)) models_.emplace_back(Layers::Double, volume(s), s.n_sources);
+  }
+
+  // Largest of f(model) over the layers.
+  template <class Function> double largest(const Function &f) const
+  {
+    double result = 0.0;
+    for (const EwaldErrorModel &model : models_)
+      result = std::max(result, f(model));
+    return result;
   }
 
  private:
-  bool fill_spme(EwaldParameters &p) const
+  std::vector<EwaldErrorModel> models_;
+};
+
+// Lists parameters of one method that meet the tolerance, over cutoffs and orders.
+class Candidates {
+ public:
+  explicit Candidates(const EwaldScene &scene) :
+      scene_(scene), errors_(scene), target_(scene.tolerance / scene.error_factor)
   {
-    const double share = kSpmeShare * scene_.tolerance;
-    p.splitting = find_root([&](double xi) { return model_.gaussian_real(xi, p.cutoff); }, share,
-                            0.5 / p.cutoff, 12.0 / p.cutoff);
-    const double xi = p.splitting;
-    p.band_limit =
-        2.0 * xi *
-        find_root([&](double x) { return model_.gaussian_truncation(xi, x); }, share, 0.8, 12.0);
-    // Aliasing falls with 1/h; the root is found in 1/h so that the function decreases.
-    const GaussianSplit split(xi);
-    const double coarsest = M_PI / p.band_limit;
-    auto aliasing = [&](double q) {
-      return model_.aliasing(split, p.band_limit, tables_[0], 1.0 / q);
-    };
-    const double inverse = find_root(aliasing, share, 1.0 / coarsest, 20.0 / coarsest);
-    set_grid(scene_, 1.0 / inverse, p);
-    return aliasing(inverse) <= 1.01 * share;
   }
 
-  bool fill_pswf(EwaldParameters &p) const
+  std::vector<std::pair<double, EwaldParameters>> list()    // with their costs
   {
-    const double share = kPswfShare * scene_.tolerance;
-    const double bandwidth = find_root(
-        [&](double c) { return model_.pswf_truncation(c, c / p.cutoff); }, share, 3.0, 37.0);
-    p.band_limit = bandwidth / p.cutoff;
-    const PswfSplit split(bandwidth, p.cutoff);
-    for (size_t i = 0; i < tables_.size(); i++) {
-      p.oversampling = 1.0 + kOversamplingStep * (i + 1);
-      const double spacing = M_PI / (p.oversampling * p.band_limit);
-      if (model_.aliasing(split, p.band_limit, tables_[i], spacing) > share) continue;
-      set_grid(scene_, spacing, p);
-      return true;
+    const double length = std::cbrt(volume(scene_));
+    const double spacing = length / std::cbrt(std::max(1.0, scene_.n_sources));
+    const double low = scene_.cutoff > 0.0 ? scene_.cutoff : std::min(0.3 * length, 0.8 * spacing);
+    const double high = scene_.cutoff > 0.0 ? scene_.cutoff : 0.6 * length;
+    constexpr int kCutoffs = 40;
+    for (int i = 0; i <= (scene_.cutoff > 0.0 ? 0 : kCutoffs); i++) {
+      EwaldParameters p;
+      p.method = scene_.method;
+      p.tolerance = scene_.tolerance;
+      p.cutoff = low * std::pow(high / low, static_cast<double>(i) / kCutoffs);
+      scene_.method == EwaldMethod::Spme ? add_spme(p) : add_pswf(p);
     }
-    return false;
+    if (found_.empty()) throw_impossible(low, high);
+    return found_;
   }
 
-  void keep_if_cheaper(const EwaldParameters &p)
+ private:
+  void add_spme(EwaldParameters &p)
+  {
+    const double share = kSpmeShare * target_;
+    p.splitting =
+        scene_.splitting > 0.0
+            ? scene_.splitting
+            : find_root(
+                  [&](double xi) {
+                    return errors_.largest([&](auto &m) { return m.gaussian_real(xi, p.cutoff); });
+                  },
+                  share, 0.5 / p.cutoff, 12.0 / p.cutoff);
+    const double xi = p.splitting;
+    auto truncation = [&](double x) {
+      return errors_.largest([&](auto &m) { return m.gaussian_truncation(xi, x); });
+    };
+    p.band_limit = 2.0 * xi * find_root(truncation, share, 0.8, 12.0);
+    const BandSpectrum spectrum(GaussianSplit(xi), p.band_limit);
+    for (int order : get_orders({4, 6, 8, 10, 12})) {
+      p.order = order;
+      const AliasingTable table{BsplineWindow(order)};
+      // Aliasing falls with 1/h; the root is found in 1/h so that the function decreases.
+      auto aliasing = [&](double q) {
+        return errors_.largest([&](auto &m) { return m.aliasing(spectrum, table, 1.0 / q); });
+      };
+      const double coarsest = M_PI / p.band_limit;
+      const double inverse = find_root(aliasing, share, 1.0 / coarsest, 20.0 / coarsest);
+      if (aliasing(inverse) > 1.01 * share && !is_given()) continue;
+      set_grid(scene_, 1.0 / inverse, p);
+      keep(p);
+    }
+  }
+
+  void add_pswf(EwaldParameters &p)
+  {
+    const double share = kPswfShare * target_;
+    auto truncation = [&](double c) {
+      return errors_.largest([&](auto &m) { return m.pswf_truncation(c, p.cutoff); });
+    };
+    const double bandwidth = scene_.splitting > 0.0 ? scene_.splitting * p.cutoff
+                                                    : find_root(truncation, share, 3.0, 37.0);
+    if (truncation(bandwidth) > 1.05 * share && !is_given()) return;
+    p.splitting = bandwidth / p.cutoff;
+    p.band_limit = (bandwidth + kBandMargin) / p.cutoff;
+    const BandSpectrum spectrum(PswfSplit(bandwidth, p.cutoff), p.band_limit);
+    for (int order : get_orders({4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14})) {
+      p.order = order;
+      const std::vector<AliasingTable> &tables = get_kaiser_tables(order);
+      for (size_t i = 0; i < tables.size(); i++) {
+        p.oversampling = 1.0 + kOversamplingStep * (i + 1);
+        const double spacing = M_PI / (p.oversampling * p.band_limit);
+        auto aliasing = [&](auto &m) {
+          return m.aliasing(spectrum, tables[i], spacing);
+        };
+        const bool is_last = is_given() && i + 1 == tables.size();
+        if (errors_.largest(aliasing) > share && !is_last) continue;
+        set_grid(scene_, spacing, p);
+        keep(p);
+        break;
+      }
+    }
+  }
+
+  bool is_given() const { return scene_.splitting > 0.0 || scene_.grid[0] > 0; }
+
+  std::vector<int> get_orders(const std::vector<int> &all) const
+  {
+    return scene_.order > 0 ? std::vector<int>{scene_.order} : all;
+  }
+
+  void keep(EwaldParameters &p)
   {
     if (static_cast<double>(p.grid[0]) * p.grid[1] * p.grid[2] > kMostGridPoints) return;
-    const double candidate_cost = cost(scene_, p);
-    if (candidate_cost >= best_cost_) return;
-    best_cost_ = candidate_cost;
-    best_ = p;
+    if (*std::min_element(p.grid.begin(), p.grid.end()) < p.order) return;
+    found_.emplace_back(predict_ewald_cost(scene_, p), p);
+  }
+
+  [[noreturn]] void throw_impossible(double low, double high) const
+  {
+    std::ostringstream message;
+    message << "accuracy " << scene_.tolerance << " cannot be met with a cutoff between " << low
+            << " and " << high << " in this cell (volume " << volume(scene_) << ", "
+            << scene_.n_sources << " sources): the grid would need more than " << kMostGridPoints
+            << " points; allow a larger cutoff or a larger accuracy";
+    throw Error(message.str());
   }
 
   const EwaldScene &scene_;
-  EwaldErrorModel model_;
-  std::vector<AliasingTable> tables_;    // of the present order; PSWF: one per oversampling
-  EwaldParameters best_;
-  double best_cost_ = std::numeric_limits<double>::infinity();
+  SceneErrors errors_;
+  double target_;
+  std::vector<std::pair<double, EwaldParameters>> found_;
 };
+
+void check_scene(const EwaldScene &s)
+{
+  if (!(s.tolerance >= kTightestTolerance && s.tolerance <= 0.1)) {
+    std::ostringstream message;
+    message << "accuracy " << s.tolerance << " is out of range: the periodic sum can be computed to"
+            << " relative tolerances between " << kTightestTolerance << " and 0.1";
+    throw Error(message.str());
+  }
+}
 
 }    // namespace
 
@@ -194,7 +224,9 @@ std::string describe(EwaldMethod method)
 
 int next_fft_size(int n)
 {
+  constexpr int kSmall = 32;    // beyond, transforms of sizes not divisible by 4 are slow
   for (;; n++) {
+    if (n > kSmall && n % 4 != 0) continue;
     int rest = n;
     for (int prime : {2, 3, 5, 7})
       while (rest % prime == 0)
@@ -206,46 +238,52 @@ int next_fft_size(int n)
 std::unique_ptr<EwaldSplit> make_split(const EwaldParameters &p)
 {
   if (p.method == EwaldMethod::Spme) return std::make_unique<GaussianSplit>(p.splitting);
-  return std::make_unique<PswfSplit>(p.band_limit * p.cutoff, p.cutoff);
+  return std::make_unique<PswfSplit>(p.splitting * p.cutoff, p.cutoff);
 }
 
 std::unique_ptr<EwaldWindow> make_window(const EwaldParameters &p)
 {
-  if (p.order < 3 || p.order > kMaxWindowOrder)
-    throw Error("window order " + std::to_string(p.order) + " is out of range (3 to " +
-                std::to_string(kMaxWindowOrder) + ")");
   if (p.method == EwaldMethod::Spme) return std::make_unique<BsplineWindow>(p.order);
   return std::make_unique<KaiserBesselWindow>(p.order, p.oversampling);
 }
 
 double compute_expected_error(const EwaldScene &s, const EwaldParameters &p)
 {
-  const EwaldErrorModel model(volume(s));
   const AliasingTable table(*make_window(p));
-  const std::unique_ptr<EwaldSplit> split = make_split(p);
-  double square = 0.0;
-  if (p.method == EwaldMethod::Spme)
-    square =
-        std::pow(model.gaussian_real(p.splitting, p.cutoff), 2) +
-        std::pow(model.gaussian_truncation(p.splitting, p.band_limit / (2.0 * p.splitting)), 2);
-  else
-    square = std::pow(model.pswf_truncation(p.band_limit * p.cutoff, p.band_limit), 2);
+  const BandSpectrum spectrum(*make_split(p), p.band_limit);
   const Vec3 lengths = worst_lengths(s);
-  for (int a = 0; a < 3; a++)
-    square +=
-        std::pow(model.aliasing(*split, p.band_limit, table, lengths[a] / p.grid[a]), 2) / 3.0;
-  return std::sqrt(square);
+  const double largest = SceneErrors(s).largest([&](const EwaldErrorModel &model) {
+    double square = 0.0;
+    if (p.method == EwaldMethod::Spme)
+      square =
+          std::pow(model.gaussian_real(p.splitting, p.cutoff), 2) +
+          std::pow(model.gaussian_truncation(p.splitting, p.band_limit / (2.0 * p.splitting)), 2);
+    else
+      square = std::pow(model.pswf_truncation(p.splitting * p.cutoff, p.cutoff), 2);
+    for (int a = 0; a < 3; a++)
+      square += std::pow(model.aliasing(spectrum, table, lengths[a] / p.grid[a]), 2) / 3.0;
+    return std::sqrt(square);
+  });
+  return s.error_factor * largest;
+}
+
+std::vector<EwaldParameters> rank_ewald_parameters(const EwaldScene &s, int n)
+{
+  check_scene(s);
+  std::vector<std::pair<double, EwaldParameters>> found = Candidates(s).list();
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto &a, const auto &b) { return a.first < b.first; });
+  std::vector<EwaldParameters> result;
+  for (size_t i = 0; i < found.size() && i < static_cast<size_t>(n); i++) {
+    result.push_back(found[i].second);
+    result.back().expected_error = compute_expected_error(s, result.back());
+  }
+  return result;
 }
 
 EwaldParameters choose_ewald_parameters(const EwaldScene &s)
 {
-  if (!(s.tolerance >= kTightestTolerance && s.tolerance <= 0.1)) {
-    std::ostringstream message;
-    message << "accuracy " << s.tolerance << " is out of range: the periodic sum can be computed to"
-            << " relative tolerances between " << kTightestTolerance << " and 0.1";
-    throw Error(message.str());
-  }
-  return Chooser(s).choose();
+  return rank_ewald_parameters(s, 1).front();
 }
 
 }    // namespace biem

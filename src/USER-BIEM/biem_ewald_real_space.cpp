@@ -1,15 +1,29 @@
-// Real-space sum: search cells of half the cutoff, candidates gathered once per cell of targets,
-// then per target a compaction to the true neighbors and a branch-free polynomial kernel.
+// Real-space sum: candidates are gathered once per search cell of targets, picked per target by a
+// test in single precision, and summed by a branch-free polynomial kernel in packs of doubles.
 #include "biem_ewald_real_space.h"
+#include "biem_simd_gather.h"
+#include "biem_simd_math.h"
 #include <algorithm>
 #include <cmath>
 
 namespace biem {
 
 namespace {
-constexpr int kReach = 2;     // search cells per cutoff, along each axis
-constexpr int kVector = 8;    // the close list is padded to whole vectors of doubles
+
 constexpr int kMaxCells = 1 << 21;
+constexpr double kFewTargets = 6.0;      // per search cell: below, coarser cells are faster
+constexpr double kCoincident = 1e-9;     // of the cutoff
+constexpr double kFloatMargin = 4e-6;    // of the cutoff: rounding of the test in single precision
+
+BIEM_INLINE Pack evaluate_polynomial(const std::vector<double> &c, Pack v)
+{
+  int k = static_cast<int>(c.size()) - 1;
+  Pack value = broadcast(c[k]);
+  while (--k >= 0)
+    value = value * v + c[k];
+  return value;
+}
+
 }    // namespace
 
 void RealSpaceSum::sort_points(PointsView points, std::vector<int> &start,
@@ -19,13 +33,15 @@ void RealSpaceSum::sort_points(PointsView points, std::vector<int> &start,
   std::vector<int> cell(n);
   start.assign(n_cells_[0] * n_cells_[1] * n_cells_[2] + 1, 0);
   order.resize(n);
+  const double inverse = 1.0 / cell_size_;
   for (int i = 0; i < n; i++) {
-    int index[3];
+    int index = 0;
     for (int a = 0; a < 3; a++)
-      index[a] =
-          std::clamp(static_cast<int>((points(a, i) - lower_[a]) / cell_size_), 0, n_cells_[a] - 1);
-    cell[i] = (index[0] * n_cells_[1] + index[1]) * n_cells_[2] + index[2];
-    start[cell[i] + 1]++;
+      index =
+          index * n_cells_[a] +
+          std::clamp(static_cast<int>((points(a, i) - lower_[a]) * inverse), 0, n_cells_[a] - 1);
+    cell[i] = index;
+    start[index + 1]++;
   }
   for (size_t c = 1; c < start.size(); c++)
     start[c] += start[c - 1];
@@ -34,15 +50,9 @@ void RealSpaceSum::sort_points(PointsView points, std::vector<int> &start,
     order[next[cell[i]]++] = i;
 }
 
-void RealSpaceSum::set_points(PointsView targets, PointsView sources)
+void RealSpaceSum::set_search_cells(const Vec3 &size)
 {
-  targets_ = targets;
-  n_sources_ = static_cast<int>(sources.cols());
-  if (targets.cols() == 0 || n_sources_ == 0) return;
-  lower_ = targets.rowwise().minCoeff().cwiseMin(sources.rowwise().minCoeff());
-  const Vec3 upper = targets.rowwise().maxCoeff().cwiseMax(sources.rowwise().maxCoeff());
-  const Vec3 size = upper - lower_;
-  cell_size_ = kernel_.cutoff / kReach * (1.0 + 1e-12);
+  cell_size_ = kernel_.cutoff / reach_ * (1.0 + 1e-12);
   auto count = [&](int a) {
     return std::floor(size[a] / cell_size_) + 1.0;
   };
@@ -50,128 +60,197 @@ void RealSpaceSum::set_points(PointsView targets, PointsView sources)
     cell_size_ *= 1.25;
   for (int a = 0; a < 3; a++)
     n_cells_[a] = static_cast<int>(count(a));
-  sort_points(targets, target_start_, target_order_);
+}
+
+void RealSpaceSum::set_points(PointsView targets, PointsView sources, PointsView normals)
+{
+  targets_ = targets;
+  n_sources_ = static_cast<int>(sources.cols());
+  if (targets.cols() == 0 || n_sources_ == 0) return;
+  lower_ = targets.rowwise().minCoeff().cwiseMin(sources.rowwise().minCoeff());
+  const Vec3 size = targets.rowwise().maxCoeff().cwiseMax(sources.rowwise().maxCoeff()) - lower_;
+  for (reach_ = 2; reach_ >= 1; reach_--) {
+    set_search_cells(size);
+    sort_points(targets, target_start_, target_order_);
+    int n_occupied = 0;
+    for (size_t c = 1; c < target_start_.size(); c++)
+      n_occupied += target_start_[c] > target_start_[c - 1];
+    if (reach_ == 1 || targets.cols() >= kFewTargets * n_occupied) break;
+  }
   sort_points(sources, source_start_, source_order_);
+  normals_ = normals;
   for (int a = 0; a < 3; a++) {
-    sorted_[a].resize(n_sources_);
-    sorted_[a + 3].resize(n_sources_);
+    sorted_[a].resize(n_sources_ + kLanes);
     for (int s = 0; s < n_sources_; s++)
       sorted_[a][s] = sources(a, source_order_[s]);
   }
 }
 
-void RealSpaceSum::gather_sources(int cell)
+template <Layers layers> constexpr int RealSpaceSum::record_size()
+{
+  return layers == Layers::Single ? kForceRecord : kFullRecord;
+}
+
+void RealSpaceSum::fill_records(Layers layers, PointsView forces, PointsView densities)
+{
+  const int size = has_double(layers) ? kFullRecord : kForceRecord;
+  records_.assign(static_cast<size_t>(size) * (n_sources_ + 1), 0.0);
+  for (int s = 0; s < n_sources_; s++) {
+    double *record = &records_[static_cast<size_t>(size) * s];
+    const int source = source_order_[s];
+    for (int a = 0; a < 3; a++) {
+      record[kX + a] = sorted_[a][s];
+      if (has_single(layers)) record[kForce + a] = forces(a, source);
+      if (!has_double(layers)) continue;
+      record[kDensity + a] = densities(a, source);
+      record[kNormal + a] = normals_(a, source);
+      record[kDensityDotNormal] += densities(a, source) * normals_(a, source);
+    }
+  }
+}
+
+Vec3 RealSpaceSum::get_center(int cell) const
+{
+  const int c2 = cell % n_cells_[2], c1 = cell / n_cells_[2] % n_cells_[1];
+  return lower_ + cell_size_ * Vec3(cell / (n_cells_[2] * n_cells_[1]) + 0.5, c1 + 0.5, c2 + 0.5);
+}
+
+// Sources within the cutoff of the box of one search cell. Runs of cells along the third axis are
+// contiguous.
+int RealSpaceSum::gather_sources(int cell)
 {
   const int c2 = cell % n_cells_[2], c1 = cell / n_cells_[2] % n_cells_[1];
   const int c0 = cell / (n_cells_[2] * n_cells_[1]);
-  for (auto &g : gathered_)
-    g.clear();
-  for (int i = std::max(0, c0 - kReach); i <= std::min(n_cells_[0] - 1, c0 + kReach); i++)
-    for (int j = std::max(0, c1 - kReach); j <= std::min(n_cells_[1] - 1, c1 + kReach); j++) {
-      // search cells along the last axis are contiguous in the sorted order
+  const Vec3 center = get_center(cell);
+  const double half = 0.5 * cell_size_ * (1.0 + 1e-9);
+  const Pack cutoff2 = broadcast(kernel_.cutoff * kernel_.cutoff);
+  const int k_begin = std::max(0, c2 - reach_), k_end = std::min(n_cells_[2], c2 + reach_ + 1);
+  int n = 0;
+  for (int i = std::max(0, c0 - reach_); i <= std::min(n_cells_[0] - 1, c0 + reach_); i++)
+    for (int j = std::max(0, c1 - reach_); j <= std::min(n_cells_[1] - 1, c1 + reach_); j++) {
       const int row = (i * n_cells_[1] + j) * n_cells_[2];
-      const int begin = source_start_[row + std::max(0, c2 - kReach)];
-      const int end = source_start_[row + std::min(n_cells_[2] - 1, c2 + kReach) + 1];
-      for (int a = 0; a < 6; a++)
-        gathered_[a].insert(gathered_[a].end(), sorted_[a].begin() + begin,
-                            sorted_[a].begin() + end);
+      const int begin = source_start_[row + k_begin], end = source_start_[row + k_end];
+      const size_t needed = n + end - begin + 2 * kFloatLanes;
+      if (close_.size() < needed) {
+        for (std::vector<float> &g : gathered_)
+          g.resize(2 * needed);
+        gathered_index_.resize(2 * needed);
+        close_.resize(2 * needed);
+      }
+      for (int s = begin; s < end; s += kLanes) {
+        Pack x[3], outside2 = {};
+        for (int a = 0; a < 3; a++) {
+          x[a] = load(&sorted_[a][s]) - center[a];
+          const Pack outside = absolute(x[a]) - half;
+          const Pack beyond = select(less(outside, Pack{}), Pack{}, outside);
+          outside2 += beyond * beyond;
+        }
+        const Mask wanted = first_lanes(end - s) & less(outside2, cutoff2);
+        if (!any(wanted)) continue;
+        for (int a = 0; a < 3; a++)
+          compress_store(&gathered_[a][n], wanted, x[a]);
+        n += compress_store_counted(&gathered_index_[n], wanted, s);
+      }
     }
-  const size_t n = gathered_[0].size() + kVector;
-  distance2_.resize(n);
-  for (auto &c : close_)
-    c.resize(n);
+  for (int s = n; s < n + kFloatLanes; s++)    // a fill that is never close
+    gathered_[0][s] = 1e9f * static_cast<float>(kernel_.cutoff);
+  return n;
 }
 
-int RealSpaceSum::find_close(const Vec3 &target)
+// Returns the number of sources near the target (relative to the cell's center), in close_, which
+// is filled up to whole packs with the dummy.
+int RealSpaceSum::find_close(int n_gathered, const Vec3 &target)
 {
-  const int n = static_cast<int>(gathered_[0].size());
-  const double cutoff2 = kernel_.cutoff * kernel_.cutoff;
-  const double x = target[0], y = target[1], z = target[2];
-  const double *gx = gathered_[0].data(), *gy = gathered_[1].data(), *gz = gathered_[2].data();
-  const double *gf[3] = {gathered_[3].data(), gathered_[4].data(), gathered_[5].data()};
-  double *d2 = distance2_.data();
-#pragma omp simd
-  for (int j = 0; j < n; j++) {
-    const double dx = x - gx[j], dy = y - gy[j], dz = z - gz[j];
-    d2[j] = dx * dx + dy * dy + dz * dz;
+  const FloatPack limit2 =
+      static_cast<float>(std::pow(kernel_.cutoff * (1.0 + kFloatMargin), 2)) - FloatPack{};
+  const float x = static_cast<float>(target[0]), y = static_cast<float>(target[1]),
+              z = static_cast<float>(target[2]);
+  int n = 0;
+  for (int s = 0; s < n_gathered; s += kFloatLanes) {
+    const FloatPack dx = load(&gathered_[0][s]) - x, dy = load(&gathered_[1][s]) - y,
+                    dz = load(&gathered_[2][s]) - z;
+    n += pick_less(dx * dx + dy * dy + dz * dz, limit2, &gathered_index_[s], &close_[n]);
   }
-  double *c[6];
-  for (int a = 0; a < 6; a++)
-    c[a] = close_[a].data();
-  int m = 0;
-  for (int j = 0; j < n; j++) {
-    c[0][m] = x - gx[j];
-    c[1][m] = y - gy[j];
-    c[2][m] = z - gz[j];
+  for (int s = n; s < round_up_to_packs(n); s++)
+    close_[s] = n_sources_;
+  return n;
+}
+
+template <Layers layers> Vec3 RealSpaceSum::sum_close(int n_close, const Vec3 &target) const
+{
+  const double to_v = 2.0 / (kernel_.cutoff * kernel_.cutoff);
+  const Pack cutoff2 = broadcast(kernel_.cutoff * kernel_.cutoff);
+  const Pack smallest2 = kCoincident * kCoincident * cutoff2;
+  Pack u[3] = {};
+  for (int s = 0; s < n_close; s += kLanes) {
+    Pack channel[record_size<layers>()];
+    load_records(records_.data(), &close_[s], channel);
+    Pack r[3];
     for (int a = 0; a < 3; a++)
-      c[a + 3][m] = gf[a][j];
-    m += d2[j] < cutoff2;
-  }
-  n_pairs_ += m;
-  for (; m % kVector != 0; m++) {    // harmless fill: at the cutoff, without force
-    c[0][m] = kernel_.cutoff;
-    for (int a = 1; a < 6; a++)
-      c[a][m] = 0.0;
-  }
-  return m;
-}
-
-Vec3 RealSpaceSum::sum_close(int n) const
-{
-  const double *iso = kernel_.isotropic.data(), *dyad = kernel_.dyadic.data();
-  const int n_iso = static_cast<int>(kernel_.isotropic.size());
-  const int n_dyad = static_cast<int>(kernel_.dyadic.size());
-  const double scale = 2.0 / (kernel_.cutoff * kernel_.cutoff);
-  double ux = 0.0, uy = 0.0, uz = 0.0;
-  for (int block = 0; block < n; block += kVector) {
-    const double *dx = &close_[0][block], *dy = &close_[1][block], *dz = &close_[2][block];
-    const double *fx = &close_[3][block], *fy = &close_[4][block], *fz = &close_[5][block];
-    double v[kVector], inverse[kVector], alpha[kVector], beta[kVector];
-#pragma omp simd
-    for (int l = 0; l < kVector; l++) {
-      const double r2 = dx[l] * dx[l] + dy[l] * dy[l] + dz[l] * dz[l];
-      inverse[l] = r2 > 0.0 ? 1.0 / std::sqrt(r2) : 0.0;
-      v[l] = r2 * scale - 1.0;
-      alpha[l] = iso[n_iso - 1];
-      beta[l] = dyad[n_dyad - 1];
+      r[a] = target[a] - channel[kX + a];
+    const Pack r2_any = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+    const Mask is_inside = less(r2_any, cutoff2), is_coincident = less(r2_any, smallest2);
+    const Pack r2 = select(is_inside, r2_any, cutoff2);    // keeps the polynomials finite
+    const Pack inverse = inverse_square_root(select(is_coincident, cutoff2, r2));
+    const Pack free = select(is_coincident, broadcast(kernel_.coincident), inverse);
+    const Pack free3 = select(is_coincident, Pack{}, inverse * inverse * inverse);
+    const Pack v = r2 * to_v - 1.0;
+    const Pack slope1 = evaluate_polynomial(kernel_.slope1, v);
+    if (has_single(layers)) {
+      const Pack *f = channel + kForce;
+      const Pack slope = evaluate_polynomial(kernel_.slope, v);
+      const Pack isotropic = select(is_inside, free - 2.0 * (slope + r2 * slope1), Pack{});
+      const Pack dyadic = select(is_inside, free3 + 2.0 * slope1, Pack{}) *
+                          (r[0] * f[0] + r[1] * f[1] + r[2] * f[2]);
+      for (int a = 0; a < 3; a++)
+        u[a] += isotropic * f[a] + dyadic * r[a];
     }
-    for (int k = n_iso - 2; k >= 0; k--)
-#pragma omp simd
-      for (int l = 0; l < kVector; l++)
-        alpha[l] = alpha[l] * v[l] + iso[k];
-    for (int k = n_dyad - 2; k >= 0; k--)
-#pragma omp simd
-      for (int l = 0; l < kVector; l++)
-        beta[l] = beta[l] * v[l] + dyad[k];
-#pragma omp simd reduction(+ : ux, uy, uz)
-    for (int l = 0; l < kVector; l++) {    // (1/r - A) f + (1/r^3 - B) r (r.f)
-      const double a = inverse[l] - alpha[l];
-      const double b = (inverse[l] * inverse[l] * inverse[l] - beta[l]) *
-                       (dx[l] * fx[l] + dy[l] * fy[l] + dz[l] * fz[l]);
-      ux += a * fx[l] + b * dx[l];
-      uy += a * fy[l] + b * dy[l];
-      uz += a * fz[l] + b * dz[l];
+    if (has_double(layers)) {
+      const Pack *q = channel + kDensity, *n = channel + kNormal;
+      const Pack slope2 = evaluate_polynomial(kernel_.slope2, v);
+      const Pack rq = r[0] * q[0] + r[1] * q[1] + r[2] * q[2];
+      const Pack rn = r[0] * n[0] + r[1] * n[1] + r[2] * n[2];
+      const Pack shared = select(is_inside, -6.0 * slope1 - 4.0 * r2 * slope2, Pack{});
+      const Pack triple = select(is_inside, 8.0 * slope2 - 6.0 * free3 * inverse * inverse, Pack{});
+      const Pack along = triple * rq * rn + shared * channel[kDensityDotNormal];
+      const Pack on_q = shared * rn, on_n = shared * rq;
+      for (int a = 0; a < 3; a++)
+        u[a] += along * r[a] + on_q * q[a] + on_n * n[a];
     }
   }
-  return Vec3(ux, uy, uz);
+  return Vec3(sum(u[0]), sum(u[1]), sum(u[2]));
 }
 
-void RealSpaceSum::add_single_layer(PointsView strengths, PointsRef velocities)
+template <Layers layers> void RealSpaceSum::add_all(PointsRef velocities)
 {
-  n_pairs_ = 0;
-  if (targets_.cols() == 0 || n_sources_ == 0) return;
-  for (int a = 0; a < 3; a++)
-    for (int s = 0; s < n_sources_; s++)
-      sorted_[a + 3][s] = strengths(a, source_order_[s]);
   const int n_cells = n_cells_[0] * n_cells_[1] * n_cells_[2];
   for (int cell = 0; cell < n_cells; cell++) {
     if (target_start_[cell] == target_start_[cell + 1]) continue;
-    gather_sources(cell);
-    if (gathered_[0].empty()) continue;
+    const int n_gathered = gather_sources(cell);
+    if (n_gathered == 0) continue;
+    const Vec3 center = get_center(cell);
     for (int t = target_start_[cell]; t < target_start_[cell + 1]; t++) {
-      const int target = target_order_[t];
-      velocities.col(target) += sum_close(find_close(targets_.col(target)));
+      const Vec3 target = targets_.col(target_order_[t]);
+      const int n = find_close(n_gathered, target - center);
+      velocities.col(target_order_[t]) += sum_close<layers>(n, target);
+      n_pairs_ += n;
     }
+  }
+}
+
+void RealSpaceSum::add_layers(Layers layers, PointsView forces, PointsView densities,
+                              PointsRef velocities)
+{
+  n_pairs_ = 0;
+  if (targets_.cols() == 0 || n_sources_ == 0) return;
+  fill_records(layers, forces, densities);
+  switch (layers) {
+    case Layers::Single:
+      return add_all<Layers::Single>(velocities);
+    case Layers::Double:
+      return add_all<Layers::Double>(velocities);
+    case Layers::Both:
+      return add_all<Layers::Both>(velocities);
   }
 }
 

@@ -26,8 +26,12 @@ void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView 
                             int order)
 {
   comm_ = comm;
-  int n_ranks;
-  MPI_Comm_size(comm, &n_ranks);
+  MPI_Comm_size(comm, &n_ranks_);
+  const int n_ranks = n_ranks_;
+  if (n_ranks == 1) {    // the points stay where they are
+    routed_ = fractional;
+    return;
+  }
   const int n_planes = static_cast<int>(layout.owner.size());
   std::vector<std::vector<int>> destinations(n_ranks);
   for (int i = 0; i < fractional.cols(); i++) {
@@ -63,6 +67,10 @@ void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView 
 
 void SlabRouter::send(PointsView values, Points &routed) const
 {
+  if (n_ranks_ == 1) {
+    routed = values;
+    return;
+  }
   Points buffer(3, send_index_.size());
   for (size_t i = 0; i < send_index_.size(); i++)
     buffer.col(i) = values.col(send_index_[i]);
@@ -71,11 +79,14 @@ void SlabRouter::send(PointsView values, Points &routed) const
                 receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE, comm_);
 }
 
-void SlabRouter::return_add(PointsView routed, PointsRef values) const
+void SlabRouter::return_add(const Points &routed, PointsRef values) const
 {
-  const Points out = routed;    // contiguous for MPI
+  if (n_ranks_ == 1) {
+    values += routed;
+    return;
+  }
   Points buffer(3, send_index_.size());
-  MPI_Alltoallv(out.data(), receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE,
+  MPI_Alltoallv(routed.data(), receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE,
                 buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, comm_);
   for (size_t i = 0; i < send_index_.size(); i++)
     values.col(send_index_[i]) += buffer.col(i);

@@ -18,7 +18,7 @@ SlabLayout make_slab_layout(MPI_Comm comm, int n_planes, int first, int count);
 
 class SlabRouter {
  public:
-  // fractional: 3 x n in [0,1), this rank's points; order: window width in planes.
+  // fractional: 3 x n in [0,1), this rank's points; order: window width in planes. Collective.
   void set_points(MPI_Comm comm, const SlabLayout &layout, PointsView fractional, int order);
 
   // Points that touch this rank's planes, 3 x n_routed.
@@ -26,10 +26,11 @@ class SlabRouter {
   // values: 3 x n of the owners -> 3 x n_routed.
   void send(PointsView values, Points &routed) const;
   // Adds 3 x n_routed partial results to the owners' 3 x n.
-  void return_add(PointsView routed, PointsRef values) const;
+  void return_add(const Points &routed, PointsRef values) const;
 
  private:
   MPI_Comm comm_ = MPI_COMM_NULL;
+  int n_ranks_ = 1;
   std::vector<int> send_index_;    // point of each sent copy, grouped by rank
   std::vector<int> send_counts_, send_offsets_, receive_counts_, receive_offsets_;    // in doubles
   Points routed_;

@@ -1,4 +1,4 @@
-// Polynomial form of the real-space kernel, and the Gaussian split: see the header.
+// Polynomial form of the real-space kernels, and the Gaussian split: see the header.
 #include "biem_ewald_split.h"
 #include "biem_error.h"
 #include "biem_ewald_polynomial.h"
@@ -12,14 +12,14 @@ namespace {
 
 const double kSqrtPi = std::sqrt(M_PI);
 constexpr int kMaxDegree = 60;
+// Derivatives are larger numbers in units of the cutoff and need less absolute accuracy.
+constexpr double kDerivativeMargin = 3.0;
 
-// Chebyshev interpolation of f(v) on [-1, 1], truncated where the tail drops below tolerance, as
-// monomials. The remainders behave like exp(-s v): their monomial form does not cancel.
-std::vector<double> fit_polynomial(const std::function<double(double)> &f, double tolerance)
+// A Chebyshev series, truncated where its tail drops below tolerance, as monomials. The remainders
+// behave like exp(-s v): their monomial form does not cancel.
+std::vector<double> truncate(const std::vector<double> &chebyshev, double tolerance)
 {
-  const int n = 2 * kMaxDegree;
-  const std::vector<double> chebyshev = interpolate_chebyshev(f, n);
-  int degree = n - 1;
+  int degree = static_cast<int>(chebyshev.size()) - 1;
   double tail = 0.0;
   while (degree > 1 && tail + std::fabs(chebyshev[degree]) < tolerance)
     tail += std::fabs(chebyshev[degree--]);
@@ -38,26 +38,10 @@ double GaussianSplit::fourier_factor(double k2) const
   return (1.0 + q) * std::exp(-q);
 }
 
-double GaussianSplit::isotropic_remainder(double r) const
+double GaussianSplit::mollified_slope(double r) const
 {
   const double x = xi_ * r;
-  if (x < 1e-4) return 2.0 * xi_ / kSqrtPi * (2.0 - 4.0 / 3.0 * x * x);
-  return std::erf(x) / r + 2.0 * xi_ / kSqrtPi * std::exp(-x * x);
-}
-
-double GaussianSplit::dyadic_remainder(double r) const
-{
-  const double x = xi_ * r, x2 = x * x;
-  const double scale = 2.0 * xi_ * xi_ * xi_ / kSqrtPi;
-  if (x < 0.3) {    // (erf(x)/x - 2/sqrt(pi) exp(-x^2))/x^2 as a series: the closed form cancels
-    double term = 1.0, sum = 0.0;
-    for (int n = 0; n < 14; n++) {
-      sum += term * 2.0 / (2.0 * n + 3.0);
-      term *= -x2 / (n + 1.0);
-    }
-    return scale * sum;
-  }
-  return (std::erf(x) / r - 2.0 * xi_ / kSqrtPi * std::exp(-x2)) / (r * r);
+  return x < 1e-5 ? 2.0 * xi_ / kSqrtPi * (1.0 - x * x / 3.0) : std::erf(x) / r;
 }
 
 double GaussianSplit::truncated_self(double k_max) const
@@ -83,17 +67,30 @@ double FourierFactorTable::value(double k2) const
          x * (x + 1.0) * (x - 2.0) / 2.0 * v[2] + x * (x * x - 1.0) / 6.0 * v[3];
 }
 
-RealSpaceKernel make_real_space_kernel(const EwaldSplit &split, double cutoff, double tolerance)
+RealSpaceKernel make_real_space_kernel(const EwaldSplit &split, double cutoff, double band_limit,
+                                       double tolerance)
 {
+  constexpr int kPoints = 2 * kMaxDegree;
+  std::vector<double> slope = interpolate_chebyshev(
+      [&](double v) { return split.mollified_slope(cutoff * std::sqrt(0.5 * (v + 1.0))); },
+      kPoints);
+  for (double &c : slope)    // derivatives would amplify what is only rounding noise
+    if (std::fabs(c) < 2e-15 * std::fabs(slope[0])) c = 0.0;
+  const double per_square = 2.0 / (cutoff * cutoff);    // dv/d(r^2)
+  auto differentiate = [per_square](const std::vector<double> &series) {
+    std::vector<double> result = differentiate_chebyshev(series);
+    for (double &c : result)
+      c *= per_square;
+    return result;
+  };
+  const std::vector<double> slope1 = differentiate(slope), slope2 = differentiate(slope1);
+  double scale = tolerance / cutoff;
   RealSpaceKernel kernel;
   kernel.cutoff = cutoff;
-  auto radius = [cutoff](double v) {
-    return cutoff * std::sqrt(0.5 * (v + 1.0));
-  };
-  kernel.isotropic = fit_polynomial([&](double v) { return split.isotropic_remainder(radius(v)); },
-                                    tolerance / cutoff);
-  kernel.dyadic = fit_polynomial([&](double v) { return split.dyadic_remainder(radius(v)); },
-                                 tolerance / (cutoff * cutoff * cutoff));
+  kernel.coincident = split.truncated_self(band_limit);
+  kernel.slope = truncate(slope, scale);
+  kernel.slope1 = truncate(slope1, scale *= kDerivativeMargin / (cutoff * cutoff));
+  kernel.slope2 = truncate(slope2, scale *= kDerivativeMargin / (cutoff * cutoff));
   return kernel;
 }
 

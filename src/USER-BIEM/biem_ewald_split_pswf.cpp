@@ -9,6 +9,8 @@ namespace biem {
 
 namespace {
 
+constexpr int kQuadraturePoints = 96;    // exact to rounding for c t up to 120
+
 // Sum of Legendre series by Clenshaw's recurrence.
 double evaluate_legendre(const std::vector<double> &c, double t)
 {
@@ -21,16 +23,19 @@ double evaluate_legendre(const std::vector<double> &c, double t)
   return c[0] + t * b1 - 0.5 * b2;
 }
 
-// int P_n = (P_{n+1} - P_{n-1})/(2n + 1), plus the constant that makes it vanish at 0.
-std::vector<double> integrate_legendre(const std::vector<double> &c)
+// Gauss-Legendre nodes and weights on [0, 1]: eigenvalues of the Jacobi matrix (Golub & Welsch,
+// Math. Comput. 23, 221 (1969)).
+Eigen::MatrixX2d make_gauss_legendre(int n)
 {
-  std::vector<double> result(c.size() + 1, 0.0);
-  for (size_t n = 0; n < c.size(); n++) {
-    result[n + 1] += c[n] / (2.0 * n + 1.0);
-    if (n > 0) result[n - 1] -= c[n] / (2.0 * n + 1.0);
-  }
-  result[0] -= evaluate_legendre(result, 0.0);
-  return result;
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(n), off(n - 1);
+  for (int i = 1; i < n; i++)
+    off[i - 1] = i / std::sqrt(4.0 * i * i - 1.0);
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(diagonal, off);
+  Eigen::MatrixX2d rule(n, 2);
+  rule.col(0) = 0.5 * (solver.eigenvalues().array() + 1.0);
+  rule.col(1) = solver.eigenvectors().row(0).transpose().array().square();
+  return rule;
 }
 
 // P_n' = (2n - 1) P_{n-1} + (2n - 5) P_{n-3} + ...
@@ -66,25 +71,25 @@ std::vector<double> expand_wave_function(double c)
 
 PswfSplit::PswfSplit(double bandwidth, double cutoff) :
     bandwidth_(bandwidth), cutoff_(cutoff), wave_(expand_wave_function(bandwidth)),
-    derivative_(differentiate_legendre(wave_)), integral_(integrate_legendre(wave_)),
-    at_zero_(evaluate_legendre(wave_, 0.0)), total_(2.0 * evaluate_legendre(integral_, 1.0))
+    derivative_(differentiate_legendre(wave_)), at_zero_(evaluate_legendre(wave_, 0.0)),
+    total_(2.0 * wave_[0])
 {
+  static const Eigen::MatrixX2d rule = make_gauss_legendre(kQuadraturePoints);
+  nodes_ = rule.col(0);
+  weights_ = rule.col(1);
+  weighted_wave_ = weights_;
+  for (Eigen::Index i = 0; i < nodes_.size(); i++)
+    weighted_wave_[i] *= evaluate_legendre(wave_, nodes_[i]);
 }
 
 // psi is its own finite Fourier transform, int_{-1}^{1} psi(x) cos(c t x) dx = lambda psi(t): so it
 // goes on beyond t = 1, where its Legendre series does not.
 double PswfSplit::continue_wave(double t, double &derivative) const
 {
-  constexpr int kPoints = 400;    // midpoint rule on a function that is flat at both ends
-  double value = 0.0, slope = 0.0, zero = 0.0;
-  for (int i = 0; i < kPoints; i++) {
-    const double x = (i + 0.5) / kPoints, psi = evaluate_legendre(wave_, x);
-    zero += psi;
-    value += psi * std::cos(bandwidth_ * t * x);
-    slope -= psi * bandwidth_ * x * std::sin(bandwidth_ * t * x);
-  }
-  derivative = slope / zero * at_zero_;
-  return value / zero * at_zero_;
+  const Eigen::ArrayXd phase = bandwidth_ * t * nodes_.array();
+  const double scale = at_zero_ / weighted_wave_.sum();
+  derivative = -scale * bandwidth_ * (weighted_wave_.array() * nodes_.array() * phase.sin()).sum();
+  return scale * (weighted_wave_.array() * phase.cos()).sum();
 }
 
 double PswfSplit::fourier_factor(double k2) const
@@ -100,24 +105,22 @@ double PswfSplit::fourier_factor(double k2) const
   return (value - 0.5 * t * slope) / at_zero_;
 }
 
-// The mollified biharmonic B(r) has B' = (2/total) int_0^{r/cutoff} psi; the Stokeslet's smooth
-// part is (B'' + B'/r) I + (B'/r - B'') rr/r^2.
-double PswfSplit::isotropic_remainder(double r) const
+// The whole integral (8/3 pi) int gamma dk over all k is the Stokeslet's remainder 2 P at r = 0.
+double PswfSplit::truncated_self(double k_max) const
 {
-  const double t = r / cutoff_;
-  const double second = 2.0 * evaluate_legendre(wave_, t) / (total_ * cutoff_);
-  const double first_over_r = t < 1e-6 ? 2.0 * at_zero_ / (total_ * cutoff_)
-                                       : 2.0 * evaluate_legendre(integral_, t) / (total_ * r);
-  return second + first_over_r;
+  double kept = 0.0;
+  for (Eigen::Index i = 0; i < nodes_.size(); i++)
+    kept += weights_[i] * k_max * fourier_factor(std::pow(nodes_[i] * k_max, 2));
+  return 2.0 * mollified_slope(0.0) - 8.0 / (3.0 * M_PI) * kept;
 }
 
-double PswfSplit::dyadic_remainder(double r) const
+// B'(r)/r = (2/total) (1/r) int_0^{r/cutoff} psi, as the mean of psi: without cancellation at 0.
+double PswfSplit::mollified_slope(double r) const
 {
-  // The difference loses (c t)^-2 of its digits: below kSmall the function is constant to 1e-5.
-  constexpr double kSmall = 1e-3;
-  const double t = std::max(r / cutoff_, kSmall);
-  return 2.0 * (evaluate_legendre(integral_, t) / t - evaluate_legendre(wave_, t)) /
-         (total_ * t * t * cutoff_ * cutoff_ * cutoff_);
+  double mean = 0.0;
+  for (Eigen::Index i = 0; i < nodes_.size(); i++)
+    mean += weights_[i] * evaluate_legendre(wave_, nodes_[i] * r / cutoff_);
+  return 2.0 * mean / (total_ * cutoff_);
 }
 
 }    // namespace biem

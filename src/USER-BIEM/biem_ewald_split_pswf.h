@@ -6,6 +6,7 @@
 #define BIEM_EWALD_SPLIT_PSWF_H
 
 #include "biem_ewald_split.h"
+#include <Eigen/Dense>
 
 namespace biem {
 
@@ -15,18 +16,17 @@ class PswfSplit : public EwaldSplit {
   PswfSplit(double bandwidth, double cutoff);
 
   double fourier_factor(double k2) const override;
-  double isotropic_remainder(double r) const override;
-  double dyadic_remainder(double r) const override;
-  double truncated_self(double) const override { return 0.0; }    // the band limit is part of it
+  double mollified_slope(double r) const override;
+  double truncated_self(double k_max) const override;
 
  private:
   double continue_wave(double t, double &derivative) const;
 
   double bandwidth_, cutoff_;
-  std::vector<double> wave_;          // psi(t), Legendre coefficients on [-1, 1]
-  std::vector<double> derivative_;    // psi'(t)
-  std::vector<double> integral_;      // int_0^t psi
-  double at_zero_, total_;            // psi(0), int_{-1}^{1} psi
+  std::vector<double> wave_;                           // psi(t), Legendre coefficients on [-1, 1]
+  std::vector<double> derivative_;                     // psi'(t)
+  double at_zero_, total_;                             // psi(0), int_{-1}^{1} psi
+  Eigen::VectorXd nodes_, weights_, weighted_wave_;    // quadrature on [0, 1]; weights * psi
 };
 
 }    // namespace biem

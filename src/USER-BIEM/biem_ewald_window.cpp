@@ -1,8 +1,10 @@
 // Windows: see the header.
 #include "biem_ewald_window.h"
+#include "biem_error.h"
 #include "biem_ewald_polynomial.h"
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace biem {
 
@@ -33,26 +35,96 @@ double bessel_i0(double x)
 
 }    // namespace
 
-int BsplineWindow::compute_weights(double s, double *w) const
+EwaldWindow::EwaldWindow(int order) : order_(order), padded_(round_up_to_packs(order))
 {
-  // Centred: grid point m gets M_order(s - m + order/2), M supported on (0, order).
-  const int order = this->order();
-  const double left = s - 0.5 * order;
-  const double floor_left = std::floor(left);
-  const double u = left - floor_left;    // in [0, 1)
-  double value[kMaxWindowOrder];         // value[i] = M_n(u + i), raised from n = 2 to order
-  value[0] = u;
-  value[1] = 1.0 - u;
-  for (int n = 3; n <= order; n++) {
-    const double scale = 1.0 / (n - 1);
-    value[n - 1] = scale * (1.0 - u) * value[n - 2];
-    for (int i = n - 2; i >= 1; i--)
-      value[i] = scale * ((u + i) * value[i] + (n - u - i) * value[i - 1]);
-    value[0] *= scale * u;
+  if (order < kMinWindowOrder || order > kMaxWindowOrder)
+    throw Error("window order " + std::to_string(order) + " is out of range (" +
+                std::to_string(kMinWindowOrder) + " to " + std::to_string(kMaxWindowOrder) + ")");
+}
+
+void EwaldWindow::tabulate(const std::function<double(double)> &value, int min_degree,
+                           double tolerance)
+{
+  constexpr int kMaxDegree = 20;
+  double error = 2.0 * tolerance;
+  for (degree_ = min_degree - 1; degree_ < kMaxDegree && error > tolerance;) {
+    const int n = ++degree_ + 1;
+    coefficients_.assign(n * padded_, 0.0);
+    slope_coefficients_.assign(n * padded_, 0.0);
+    error = 0.0;
+    for (int j = 0; j < order_; j++) {    // x = 2 u - 1 on the piece t = j - order/2 + u
+      const std::vector<double> chebyshev = interpolate_chebyshev(
+          [&](double x) { return value(0.5 * (x + 1.0) + j - 0.5 * order_); }, n);
+      const std::vector<double> monomials = to_monomials(chebyshev, degree_);
+      for (int k = 0; k < n; k++)
+        coefficients_[k * padded_ + j] = monomials[k];
+      for (int k = 1; k < n; k++)    // t falls as s grows: dx/ds = -2
+        slope_coefficients_[(k - 1) * padded_ + j] = -2.0 * k * monomials[k];
+      error = std::max(error, std::fabs(chebyshev[n - 1]) + std::fabs(chebyshev[n - 2]));
+    }
   }
-  for (int j = 0; j < order; j++)
-    w[j] = value[order - 1 - j];
-  return static_cast<int>(floor_left) + 1;
+}
+
+int EwaldWindow::locate(double s, double &x) const
+{
+  const double left = s - 0.5 * order_;
+  const double first = std::floor(left) + 1.0;
+  x = 2.0 * (first - left) - 1.0;
+  return static_cast<int>(first);
+}
+
+namespace {
+
+// Polynomials of all pieces at x, rows of padded coefficients from the constant up.
+BIEM_INLINE void evaluate_pieces(const std::vector<double> &coefficients, int degree, int padded,
+                                 double x, double *value)
+{
+  for (int j = 0; j < padded; j += kLanes) {
+    const double *c = &coefficients[degree * padded + j];
+    Pack v = load(c);
+    for (int k = degree - 1; k >= 0; k--)
+      v = v * x + load(c -= padded);
+    store(value + j, v);
+  }
+}
+
+}    // namespace
+
+int EwaldWindow::compute_weights(double s, double *weights) const
+{
+  double x;
+  const int first = locate(s, x);
+  evaluate_pieces(coefficients_, degree_, padded_, x, weights);
+  return first;
+}
+
+int EwaldWindow::compute_weights_and_slopes(double s, double *weights, double *slopes) const
+{
+  double x;
+  const int first = locate(s, x);
+  evaluate_pieces(coefficients_, degree_, padded_, x, weights);
+  evaluate_pieces(slope_coefficients_, degree_ - 1, padded_, x, slopes);
+  return first;
+}
+
+BsplineWindow::BsplineWindow(int order) : EwaldWindow(order)
+{
+  // M_order(t + order/2) by the recursion of Cox and de Boor; polynomials of degree order - 1.
+  auto value = [order](double t) {
+    const double left = t + 0.5 * order, u = left - std::floor(left);
+    const int piece = static_cast<int>(std::floor(left));
+    if (piece < 0 || piece >= order) return 0.0;
+    double v[kMaxWindowOrder] = {u, 1.0 - u};    // v[i] = M_n(u + i), raised from n = 2
+    for (int n = 3; n <= order; n++) {
+      const double scale = 1.0 / (n - 1);
+      v[n - 1] = scale * (1.0 - u) * v[n - 2];
+      for (int i = n - 2; i >= 1; i--)
+        v[i] = scale * ((u + i) * v[i] + (n - u - i) * v[i - 1]);
+      v[0] *= scale * u;
+    }
+    return v[piece];
+  };
+  tabulate(value, order - 1, 1.0);
 }
 
 double BsplineWindow::transform(double f) const
@@ -62,53 +134,14 @@ double BsplineWindow::transform(double f) const
 }
 
 KaiserBesselWindow::KaiserBesselWindow(int order, double oversampling) :
-    EwaldWindow(order), beta_(0.98 * M_PI * 0.5 * order * (2.0 - 1.0 / oversampling)),
-    padded_((order + kLanes - 1) / kLanes * kLanes)
+    EwaldWindow(order), beta_(0.98 * M_PI * 0.5 * order * (2.0 - 1.0 / oversampling))
 {
-  norm_ = 1.0 / (order * std::sinh(beta_) / beta_);
-  // One polynomial in x = 2 u - 1 per grid point, a tenth as wrong as the window itself is.
-  constexpr int kMaxDegree = 20;
-  const double tolerance = std::max(0.1 * std::exp(-beta_), 1e-15) * norm_ * bessel_i0(beta_);
-  double error = 2.0 * tolerance;
-  for (degree_ = 3; degree_ < kMaxDegree && error > tolerance;) {
-    const int n = ++degree_ + 1;
-    coefficients_.assign(n * padded_, 0.0);
-    error = 0.0;
-    for (int j = 0; j < order; j++) {
-      const std::vector<double> chebyshev = interpolate_chebyshev(
-          [&](double x) { return compute_value(0.5 * (x + 1.0) + j - 0.5 * order); }, n);
-      const std::vector<double> monomials = to_monomials(chebyshev, degree_);
-      for (int k = 0; k < n; k++)
-        coefficients_[k * padded_ + j] = monomials[k];
-      error = std::max(error, std::fabs(chebyshev[n - 1]) + std::fabs(chebyshev[n - 2]));
-    }
-  }
-}
-
-double KaiserBesselWindow::compute_value(double t) const
-{
-  const double q = 1.0 - std::pow(2.0 * t / order(), 2);
-  return q > 0.0 ? norm_ * bessel_i0(beta_ * std::sqrt(q)) : (q == 0.0 ? norm_ : 0.0);
-}
-
-int KaiserBesselWindow::compute_weights(double s, double *w) const
-{
-  const double left = s - 0.5 * order();
-  const double first = std::floor(left) + 1.0;
-  const double x = 2.0 * (first - left) - 1.0;
-  double value[kMaxWindowOrder];
-  const double *c = &coefficients_[degree_ * padded_];
-  for (int j = 0; j < padded_; j++)
-    value[j] = c[j];
-  for (int k = degree_ - 1; k >= 0; k--) {
-    c -= padded_;
-#pragma omp simd
-    for (int j = 0; j < padded_; j++)
-      value[j] = value[j] * x + c[j];
-  }
-  for (int j = 0; j < order(); j++)
-    w[j] = value[j];
-  return static_cast<int>(first);
+  const double norm = 1.0 / (order * std::sinh(beta_) / beta_);
+  auto value = [&](double t) {
+    return norm * bessel_i0(beta_ * std::sqrt(std::max(0.0, 1.0 - std::pow(2.0 * t / order, 2))));
+  };
+  // A tenth as wrong as the window itself is.
+  tabulate(value, 4, std::max(0.1 * std::exp(-beta_), 1e-15) * norm * bessel_i0(beta_));
 }
 
 double KaiserBesselWindow::transform(double f) const

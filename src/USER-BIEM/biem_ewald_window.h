@@ -1,55 +1,62 @@
-// Windows that carry point values to a grid and back: the contract, and what follows from it alone,
-// the optimal influence factors and the aliasing error. Knows no points, kernels or ranks.
+// Windows that carry point values to a grid and back, as piecewise polynomials, and what follows
+// from a window alone: the optimal influence factors and the aliasing error. Knows no points,
+// kernels or ranks.
 #ifndef BIEM_EWALD_WINDOW_H
 #define BIEM_EWALD_WINDOW_H
 
+#include "biem_simd.h"
 #include <array>
+#include <functional>
 #include <memory>
 #include <vector>
 
 namespace biem {
 
-constexpr int kMaxWindowOrder = 16;
+constexpr int kMinWindowOrder = 3, kMaxWindowOrder = 16;
 
 class EwaldWindow {
  public:
-  explicit EwaldWindow(int order) : order_(order) {}
   virtual ~EwaldWindow() = default;
 
-  int order() const { return order_; }    // support in grid points
-  // weights[0..order): values at the grid points first, first+1, ... around the grid coordinate s
-  // (in units of the spacing). Returns first (may be negative; wrap it).
-  virtual int compute_weights(double s, double *weights) const = 0;
+  int order() const { return order_; }      // support in grid points
+  int padded() const { return padded_; }    // order in whole packs
+  // weights[0 ... padded): values at the grid points first, first+1, ... around the grid coordinate
+  // s (in units of the spacing), zero beyond order. Returns first (may be negative; wrap it).
+  int compute_weights(double s, double *weights) const;
+  // The same with the derivatives of the weights with respect to s.
+  int compute_weights_and_slopes(double s, double *weights, double *slopes) const;
   // Fourier transform at frequency f in cycles per spacing, 1 at f = 0.
   virtual double transform(double frequency) const = 0;
 
+ protected:
+  explicit EwaldWindow(int order);    // throws Error when the order is out of range
+  // Interpolates value(t), supported on |t| <= order/2, piece by piece: by a polynomial of the
+  // lowest degree >= min_degree that is as accurate as tolerance.
+  void tabulate(const std::function<double(double)> &value, int min_degree, double tolerance);
+
  private:
-  int order_;
+  int locate(double s, double &x) const;
+
+  int order_, padded_, degree_ = 0;
+  std::vector<double> coefficients_, slope_coefficients_;    // (degree + 1) x padded
 };
 
 // Cardinal B-spline: Essmann et al., J. Chem. Phys. 103, 8577 (1995), Eq. 4.1.
 class BsplineWindow : public EwaldWindow {
  public:
-  explicit BsplineWindow(int order) : EwaldWindow(order) {}
-  int compute_weights(double s, double *weights) const override;
+  explicit BsplineWindow(int order);
   double transform(double frequency) const override;
 };
 
-// Kaiser-Bessel window I0(beta sqrt(1 - (2 t/order)^2)) as piecewise polynomials; beta follows from
-// the oversampling: grid points per shortest wavelength over 2.
+// Kaiser-Bessel window I0(beta sqrt(1 - (2 t/order)^2)); beta follows from the oversampling: grid
+// points per shortest wavelength over 2.
 class KaiserBesselWindow : public EwaldWindow {
  public:
   KaiserBesselWindow(int order, double oversampling);
-  int compute_weights(double s, double *weights) const override;
   double transform(double frequency) const override;
 
  private:
-  double compute_value(double t) const;
-
-  static constexpr int kLanes = 8;    // coefficient rows are padded to whole vectors
-  double beta_, norm_ = 1.0;
-  int padded_, degree_ = 0;
-  std::vector<double> coefficients_;    // (degree + 1) x padded
+  double beta_;
 };
 
 // factor(n) = W(n)^2 / (sum_m W(n + m grid)^2)^2 for n = 0 ... grid-1: the optimal influence

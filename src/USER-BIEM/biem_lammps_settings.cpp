@@ -23,6 +23,8 @@ const std::map<std::string, std::string> kRefused = {
     {"wall", "walls are not available: the box is periodic in x, y and z"},
     {"probes", "use 'tracers' with 'run 0' for velocities at given points"}};
 
+constexpr int kMostGridPoints = 4096;    // along one axis
+
 // A cursor over the arguments that knows how to complain.
 class Arguments : protected Pointers {
  public:
@@ -48,6 +50,15 @@ class Arguments : protected Pointers {
     const double value = number(keyword);
     if (!(value > 0.0))
       fail(keyword + " " + std::string(arg_[next_ - 1]) + " must be a positive number");
+    return value;
+  }
+  int integer(const std::string &keyword, int low, int high)
+  {
+    const std::string text = word(keyword);
+    const int value = utils::inumeric(FLERR, arg_[next_ - 1], false, lmp);
+    if (value < low || value > high)
+      fail(keyword + " " + text + " is out of range: allowed are integers from " +
+           std::to_string(low) + " to " + std::to_string(high));
     return value;
   }
   std::string group_name(const std::string &keyword)
@@ -97,6 +108,13 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     parse_flow(arguments, s);
   } else if (keyword == "cutoff") {
     s.cutoff = arguments.positive(keyword);
+  } else if (keyword == "splitting") {
+    s.splitting = arguments.positive(keyword);
+  } else if (keyword == "order") {
+    s.order = arguments.integer(keyword, biem::kMinWindowOrder, biem::kMaxWindowOrder);
+  } else if (keyword == "grid") {
+    for (int &n : s.grid)
+      n = arguments.integer(keyword, 4, kMostGridPoints);
   } else if (keyword == "cells") {
     s.cells = arguments.group_name(keyword);
   } else if (keyword == "tracers") {
@@ -114,7 +132,7 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     arguments.fail(
         "unknown keyword '" + keyword +
         "': allowed are viscosity, accuracy, flow, cells, tracers, stepper, traction, ewald, "
-        "cutoff");
+        "cutoff, splitting, order, grid");
   }
 }
 

@@ -18,8 +18,11 @@ struct FixBiemSettings {
   biem::SuspensionSettings suspension;    // viscosity already in force * time / length^2
   double viscosity = 0.0;                 // as given, in the unit of the unit style
   double accuracy = 0.0;
-  double cutoff = 0.0;    // 0: chosen from the accuracy
-  biem::EwaldMethod ewald = biem::EwaldMethod::Spme;
+  // Parameters of the periodic sum that the user fixes; 0: chosen from the accuracy.
+  biem::EwaldMethod ewald = biem::EwaldMethod::Pswf;
+  double cutoff = 0.0, splitting = 0.0;
+  int order = 0;
+  std::array<int, 3> grid{};
   Flow flow = Flow::None;
   biem::BackgroundFlow background;
   biem::Stepper stepper = biem::Stepper::AdamsBashforth2;

@@ -77,8 +77,15 @@ void ShearedBox::flip_if_needed()
 
 std::vector<double> ShearedBox::get_state() const
 {
-  return {base_tilt_, base_dt_, base_strain_, static_cast<double>(base_step_), tilt_, strain_,
-          static_cast<double>(last_step_), static_cast<double>(n_flips_), base_rate_};
+  return {base_tilt_,
+          base_dt_,
+          base_strain_,
+          static_cast<double>(base_step_),
+          tilt_,
+          strain_,
+          static_cast<double>(last_step_),
+          static_cast<double>(n_flips_),
+          base_rate_};
 }
 
 void ShearedBox::set_state(const double *state)

@@ -17,6 +17,12 @@ namespace {
 // Edges may grow to this multiple of the longest edge at the start of a run.
 constexpr double kEdgeGrowth = 1.6;
 
+// A parameter agrees with what the user fixed; 0 leaves it free.
+template <class T> bool is_as_given(T given, T value)
+{
+  return given == T() || given == value;
+}
+
 }    // namespace
 
 LammpsSolver::~LammpsSolver()
@@ -76,7 +82,10 @@ void LammpsSolver::choose_parameters(double max_tilt)
   scene.n_targets = static_cast<double>(atom->natoms);
   scene.tolerance = settings_.accuracy;
   scene.method = settings_.ewald;
-  scene.min_cutoff = scene.max_cutoff = settings_.cutoff;
+  scene.cutoff = settings_.cutoff;
+  scene.splitting = settings_.splitting;
+  scene.order = settings_.order;
+  scene.grid = settings_.grid;
   if (survey_.n_surfaces > 0) {
     double volume = 0.0;
     for (double v : survey_.volumes)
@@ -87,7 +96,10 @@ void LammpsSolver::choose_parameters(double max_tilt)
   const bool is_chosen = parameters_.order > 0 && parameters_.method == scene.method &&
                          parameters_.tolerance == scene.tolerance &&
                          parameter_lengths_ == scene.cell.diagonal() &&
-                         (settings_.cutoff == 0.0 || parameters_.cutoff == settings_.cutoff);
+                         is_as_given(settings_.cutoff, parameters_.cutoff) &&
+                         is_as_given(settings_.splitting, parameters_.splitting) &&
+                         is_as_given(settings_.order, parameters_.order) &&
+                         (settings_.grid[0] == 0 || parameters_.grid == settings_.grid);
   suspension_ = guarded(lmp, "Fix biem", [&] {
     if (!is_chosen) parameters_ = biem::choose_ewald_parameters(scene);
     return std::make_unique<biem::Suspension>(world, parameters_, settings_.suspension);

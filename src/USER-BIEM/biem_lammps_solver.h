@@ -29,7 +29,7 @@ class LammpsSolver : protected Pointers {
 
   double longest_edge() const { return survey_.longest_edge; }    // at the start of the run
   double volume_error() const;    // largest relative error over the cells
-  const biem::OperatorProfile &profile() const { return suspension_->profile(); }
+  biem::OperatorProfile profile() const { return suspension_->profile(); }
   const biem::EwaldParameters &parameters() const { return parameters_; }
 
   std::vector<double> get_state() const;

@@ -1,23 +1,28 @@
 // Near pairs: see the header.
 #include "biem_near_correction.h"
+#include <algorithm>
+#include <numeric>
 
 namespace biem {
 
 namespace {
-bool is_near(const SurfaceElements &elements, int e, const Vec3 &x)
+double reach(const SurfaceElements &elements, int e)
 {
-  const double reach = kNearFactor * elements.mean_edge(e);
-  return elements.squared_distance(e, x) <= reach * reach;
+  return kNearFactor * elements.mean_edge(e);
 }
 }    // namespace
 
 NearCandidates find_near_candidates(const SurfaceElements &elements, PointsView nodes)
 {
+  const int n = static_cast<int>(nodes.cols());
+  std::vector<int> all(n), found(n);
+  std::iota(all.begin(), all.end(), 0);
   NearCandidates candidates;
   candidates.start.push_back(0);
   for (int e = 0; e < elements.n_elements(); e++) {
-    for (int i = 0; i < nodes.cols(); i++)
-      if (is_near(elements, e, nodes.col(i))) candidates.node.push_back(i);
+    const int n_found =
+        elements.find_within(e, reach(elements, e), all.data(), n, nodes, found.data());
+    candidates.node.insert(candidates.node.end(), found.begin(), found.begin() + n_found);
     candidates.start.push_back(static_cast<int>(candidates.node.size()));
   }
   return candidates;
@@ -27,14 +32,15 @@ long add_near_corrections(const SurfaceElements &elements, const NearCandidates 
                           PointsView nodes, PointsRef velocities)
 {
   long n_pairs = 0;
-  for (int e = 0; e < elements.n_elements(); e++)
-    for (int c = candidates.start[e]; c < candidates.start[e + 1]; c++) {
-      const int i = candidates.node[c];
-      const Vec3 x = nodes.col(i);
-      if (!is_near(elements, e, x)) continue;
-      velocities.col(i) += elements.compute_near_correction(e, x);
-      n_pairs++;
-    }
+  std::vector<int> near;
+  for (int e = 0; e < elements.n_elements(); e++) {
+    const int first = candidates.start[e], n = candidates.start[e + 1] - first;
+    near.resize(std::max<size_t>(near.size(), n));
+    const int n_near = elements.find_within(e, reach(elements, e), candidates.node.data() + first,
+                                            n, nodes, near.data());
+    elements.add_near_corrections(e, near.data(), n_near, nodes, velocities);
+    n_pairs += n_near;
+  }
   return n_pairs;
 }
 

@@ -4,11 +4,8 @@
 #ifndef BIEM_OPERATOR_SINGLE_LAYER_H
 #define BIEM_OPERATOR_SINGLE_LAYER_H
 
-#include "biem_ewald_fourier.h"
-#include "biem_ewald_parameters.h"
-#include "biem_ewald_real_space.h"
+#include "biem_ewald_sum.h"
 #include "biem_near_correction.h"
-#include "biem_node_exchange.h"
 #include <mpi.h>
 
 namespace biem {
@@ -23,10 +20,11 @@ struct SurfaceShare {
   Eigen::Ref<const Eigen::VectorXd> areas;    // n_owned nodal areas; 0 for points on no surface
 };
 
-// Times in seconds of this rank since construction, and pairs of the last application.
+// CPU seconds of this rank since construction, and near pairs of the last application.
 struct OperatorProfile {
-  double real_space = 0.0, fourier = 0.0, near = 0.0;
-  long n_real_pairs = 0, n_near_pairs = 0;
+  PeriodicSumProfile sum;
+  double near = 0.0;
+  long n_near_pairs = 0;
 };
 
 class SingleLayerOperator {
@@ -37,14 +35,11 @@ class SingleLayerOperator {
   // density: 3 x n_all, ghosts filled. Returns 3 x n_owned, without the factor 1/(8 pi mu).
   Points apply(const SurfaceShare &share, PointsView density, NodeExchange &exchange);
 
-  const EwaldParameters &parameters() const { return parameters_; }
-  const OperatorProfile &profile() const { return profile_; }
+  const EwaldParameters &parameters() const { return sum_.parameters(); }
+  OperatorProfile profile() const;
 
  private:
-  EwaldParameters parameters_;
-  RealSpaceSum real_space_;
-  FourierSum fourier_;
-  double truncated_self_;
+  PeriodicSum sum_;
   OperatorProfile profile_;
 };
 

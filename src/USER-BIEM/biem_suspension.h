@@ -54,7 +54,7 @@ class Suspension {
   Evaluation evaluate(const Configuration &configuration, PointsView forces, CellVolumes &volumes,
                       NodeExchange &exchange);
 
-  const OperatorProfile &profile() const { return single_layer_.profile(); }
+  OperatorProfile profile() const { return single_layer_.profile(); }
   const EwaldParameters &parameters() const { return single_layer_.parameters(); }
 
  private:

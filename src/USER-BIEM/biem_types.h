@@ -17,6 +17,11 @@ using Points = Eigen::Matrix3Xd;
 using PointsView = Eigen::Ref<const Eigen::Matrix3Xd>;
 using PointsRef = Eigen::Ref<Eigen::Matrix3Xd>;
 
+// What an operator or a sum is made of: single layer, double layer, or both at once.
+enum class Layers { Single, Double, Both };
+constexpr bool has_single(Layers layers) { return layers != Layers::Double; }
+constexpr bool has_double(Layers layers) { return layers != Layers::Single; }
+
 // Three node indices, counter-clockwise seen from outside (from the suspending fluid).
 using Triangle = std::array<int, 3>;
 

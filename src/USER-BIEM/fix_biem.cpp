@@ -232,10 +232,10 @@ void FixBiem::evaluate()
   m.vector[kStrain] = m.box.strain();
   m.vector[kFlips] = m.box.n_flips();
   check_volumes();
-  const biem::OperatorProfile &profile = m.solver.profile();
-  m.vector[kRealTime] = profile.real_space;
+  const biem::OperatorProfile profile = m.solver.profile();
+  m.vector[kRealTime] = profile.sum.search + profile.sum.real_space + profile.sum.ghosts;
   m.vector[kNearTime] = profile.near;
-  m.vector[kFourierTime] = profile.fourier;
+  m.vector[kFourierTime] = profile.sum.fourier.total();
   m.vector[kExpectedError] = m.solver.parameters().expected_error;
 }
 

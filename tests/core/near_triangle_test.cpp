@@ -1,7 +1,7 @@
-// Closed-form single layer of one flat triangle against adaptive subdivision quadrature, for targets
-// above, beside and on the triangle; far rule against the closed form as the distance grows.
-#include "biem_element_flat.h"
+// Closed forms of one flat triangle against adaptive subdivision quadrature, for targets above,
+// beside and on the triangle; continuity of the single layer, jump of the double layer.
 #include "biem_kernel_stokeslet.h"
+#include "biem_kernel_stresslet.h"
 #include "biem_near_triangle.h"
 #include <cmath>
 #include <gtest/gtest.h>
@@ -24,13 +24,20 @@ struct Patch {
   Mat3 f;    // density at the corners
 };
 
+Vec3 evaluate_kernel(Layers layer, const Patch &p, const Vec3 &r, const Vec3 &density)
+{
+  if (layer == Layers::Single) return compute_stokeslet(r, density);
+  return compute_stresslet(r, density, (p.x[1] - p.x[0]).cross(p.x[2] - p.x[0]).normalized());
+}
+
 // Degree-5 rule of 7 points (Radon), then subdivision into four until a patch is small against its
 // distance from the target; what is left around a target on the triangle is dropped.
-Vec3 integrate(const Patch &p, const Vec3 &target, int depth)
+Vec3 integrate(Layers layer, const Patch &p, const Vec3 &target, int depth)
 {
   const Vec3 center = (p.x[0] + p.x[1] + p.x[2]) / 3.0;
   double size = 0.0;
-  for (int v = 0; v < 3; v++) size = std::max(size, (p.x[v] - center).norm());
+  for (int v = 0; v < 3; v++)
+    size = std::max(size, (p.x[v] - center).norm());
   if (depth == 0) return Vec3::Zero();
   if ((center - target).norm() > 20.0 * size) {
     const double area = 0.5 * (p.x[1] - p.x[0]).cross(p.x[2] - p.x[0]).norm();
@@ -44,8 +51,8 @@ Vec3 integrate(const Patch &p, const Vec3 &target, int depth)
         barycentric[v] = 1.0 - 2.0 * a[rule];
         Mat3 corners;
         corners << p.x[0], p.x[1], p.x[2];
-        sum += w[rule] * area * compute_stokeslet(target - corners * barycentric,
-                                                  p.f * barycentric);
+        sum += w[rule] * area *
+               evaluate_kernel(layer, p, target - corners * barycentric, p.f * barycentric);
       }
     return sum;
   }
@@ -63,92 +70,106 @@ Vec3 integrate(const Patch &p, const Vec3 &target, int depth)
       child.f << p.f.col(v), g.col(v), g.col((v + 2) % 3);
     else
       child.f = g;
-    sum += integrate(child, target, depth - 1);
+    sum += integrate(layer, child, target, depth - 1);
   }
   return sum;
 }
 
-Vec3 closed_form(const Vec3 &target)
+Vec3 closed_form(Layers layer, const Vec3 &target)
 {
   const TriangleFrame frame = make_triangle_frame(kA, kB, kC);
-  return compute_single_layer(frame, make_linear_density(frame, make_density()), target);
+  const LinearDensity f = make_linear_density(frame, make_density());
+  const PointPack x{broadcast(target[0]), broadcast(target[1]), broadcast(target[2])};
+  const PointPack u = layer == Layers::Single
+                          ? integrate_near_triangle<Layers::Single>(frame, &f, nullptr, x)
+                          : integrate_near_triangle<Layers::Double>(frame, nullptr, &f, x);
+  return Vec3(u.x[0], u.y[0], u.z[0]);
 }
 
-Vec3 quadrature(const Vec3 &target, int depth = 12)
+Vec3 quadrature(Layers layer, const Vec3 &target, int depth = 12)
 {
-  return integrate(Patch{{kA, kB, kC}, make_density()}, target, depth);
+  return integrate(layer, Patch{{kA, kB, kC}, make_density()}, target, depth);
 }
+
+const Vec3 kNormal = (kB - kA).cross(kC - kA).normalized(), kCenter = (kA + kB + kC) / 3.0;
+const double kSize = (kB - kA).norm();
+
+// Above the inside, a corner, an edge, the line of an edge, and beside the triangle.
+const std::vector<Vec3> kFeet = {kCenter, kA, 0.5 * (kA + kB), kB + 0.4 * (kB - kC),
+                                 kA + 1.5 * (kB - kA)};
+
+// Of the quadrature: its remainder grows with the powers of 1/r in the kernel.
+double tolerance(Layers layer)
+{
+  return layer == Layers::Single ? 1e-9 : 1e-8;
+}
+
+class NearTriangle : public ::testing::TestWithParam<Layers> {};
+
+INSTANTIATE_TEST_SUITE_P(Layers, NearTriangle, ::testing::Values(Layers::Single, Layers::Double));
 
 }    // namespace
 
-TEST(NearTriangle, AgreesWithAdaptiveQuadratureOffTheTriangle)
+TEST_P(NearTriangle, AgreesWithAdaptiveQuadratureOffTheTriangle)
 {
-  const Vec3 normal = (kB - kA).cross(kC - kA).normalized(), center = (kA + kB + kC) / 3.0;
-  for (const Vec3 &foot : {center, kA, Vec3(0.5 * (kA + kB)), Vec3(kB + 0.4 * (kB - kC)),
-                           Vec3(kA + 1.5 * (kB - kA))})
-    for (double height : {1.0, 0.1, -0.1}) {
-      const Vec3 target = foot + height * normal, exact = quadrature(target);
-      EXPECT_LT((closed_form(target) - exact).norm(), 1e-9 * exact.norm()) << height;
+  for (const Vec3 &foot : kFeet)
+    for (double height : {1000.0, 30.0, 1.0, 0.1, -0.1, 0.01}) {
+      const Vec3 target = foot + height * kSize * kNormal, exact = quadrature(GetParam(), target);
+      // the moments cancel as the third power of the distance
+      const double rounding = 1e-14 * std::pow(std::max(1.0, std::fabs(height)), 3);
+      EXPECT_LT((closed_form(GetParam(), target) - exact).norm(),
+                (tolerance(GetParam()) + rounding) * exact.norm())
+          << height;
     }
 }
 
-TEST(NearTriangle, AgreesWithAdaptiveQuadratureOnTheTriangle)
+TEST_P(NearTriangle, AgreesWithAdaptiveQuadratureVeryCloseToTheTriangle)
+{
+  for (const Vec3 &foot : kFeet)
+    for (double height : {1e-3, -1e-3}) {
+      const Vec3 target = foot + height * kSize * kNormal;
+      const Vec3 exact = quadrature(GetParam(), target, 17);
+      EXPECT_LT((closed_form(GetParam(), target) - exact).norm(),
+                tolerance(GetParam()) * exact.norm())
+          << height;
+    }
+}
+
+TEST(NearTriangleSingleLayer, AgreesWithAdaptiveQuadratureOnTheTriangle)
 {
   // The patches that hold the target are dropped: an error of the order of their size, 20 x 2^-24.
-  for (const Vec3 &target : {Vec3((kA + kB + kC) / 3.0), kA, kB, kC, Vec3(0.5 * (kA + kB)),
-                             Vec3(0.3 * kB + 0.7 * kC)}) {
-    const Vec3 exact = quadrature(target, 24);
-    EXPECT_LT((closed_form(target) - exact).norm(), 1e-5 * exact.norm());
+  for (const Vec3 &target :
+       {kCenter, kA, kB, kC, Vec3(0.5 * (kA + kB)), Vec3(0.3 * kB + 0.7 * kC)}) {
+    const Vec3 exact = quadrature(Layers::Single, target, 24);
+    EXPECT_LT((closed_form(Layers::Single, target) - exact).norm(), 1e-5 * exact.norm());
   }
 }
 
-TEST(NearTriangle, IsContinuousThroughTheTriangleAndItsPlane)
+TEST(NearTriangleSingleLayer, IsContinuousThroughTheTriangleAndItsPlane)
 {
-  const Vec3 normal = (kB - kA).cross(kC - kA).normalized();
-  for (const Vec3 &foot : {Vec3((kA + kB + kC) / 3.0), kA, Vec3(kA + 1.5 * (kB - kA)),
-                           Vec3(0.5 * (kA + kB))}) {
-    const Vec3 on = closed_form(foot);
+  for (const Vec3 &foot : kFeet) {
+    const Vec3 on = closed_form(Layers::Single, foot);
     for (double height : {1e-6, 1e-9, 1e-12, 1e-15, -1e-9})
-      EXPECT_LT((closed_form(foot + height * normal) - on).norm(),
+      EXPECT_LT((closed_form(Layers::Single, foot + height * kNormal) - on).norm(),
                 (1e-12 + 40.0 * std::fabs(height)) * on.norm())
           << height;
   }
 }
 
-TEST(FlatElements, FarRuleApproachesTheClosedFormAsTheThirdPowerOfTheDistance)
+TEST(NearTriangleDoubleLayer, VanishesInThePlane)
 {
-  // Degree 2 is exact for a linear density times a linear kernel; the second derivative of the
-  // kernel, r^-3, is what remains: 4 times less against u ~ r^-1 when the distance doubles.
-  Points nodes(3, 3);
-  nodes << kA, kB, kC;
-  FlatElements element;
-  element.set_geometry(nodes, {{0, 1, 2}});
-  element.prepare_near(make_density());
-  const Vec3 center = (kA + kB + kC) / 3.0, direction = Vec3(0.3, -0.5, 0.8).normalized();
-  double previous = 0.0;
-  for (double r : {8.0, 16.0, 32.0}) {
-    const Vec3 target = center + r * direction;
-    const double relative =
-        element.compute_near_correction(0, target).norm() / closed_form(target).norm();
-    if (previous > 0.0) EXPECT_GT(previous / relative, 3.8);
-    EXPECT_LT(relative, 0.1 / (r * r));
-    previous = relative;
-  }
+  for (const Vec3 &foot : kFeet)
+    EXPECT_EQ(closed_form(Layers::Double, foot), Vec3(Vec3::Zero()));
 }
 
-TEST(FlatElements, FarRuleAndMassKeepTheTotalForce)
+TEST(NearTriangleDoubleLayer, JumpsByTheDensityAcrossTheTriangle)
 {
-  Points nodes(3, 3);
-  nodes << kA, kB, kC;
-  FlatElements element;
-  element.set_geometry(nodes, {{0, 1, 2}});
-  const Mat3 f = make_density();
-  const Vec3 total = element.area(0) * f.rowwise().mean();
-  Points interior(3, 1), product = Points::Zero(3, 3);
-  element.compute_interior_strengths(f, interior);
-  const Vec3 rule = element.nodal_fraction() * element.area(0) / 3.0 * f.rowwise().sum() +
-      interior.col(0);
-  EXPECT_LT((rule - total).norm(), 1e-15);
-  element.add_mass_product(f, product);
-  EXPECT_LT((product.rowwise().sum() - total).norm(), 1e-15);
+  // -+ 4 pi q on the outside and the inside: from 8 pi inside to 0 outside of a closed surface.
+  const Vec3 q = make_density().rowwise().mean();
+  for (double height : {1e-6, 1e-8, 1e-10}) {
+    EXPECT_LT((closed_form(Layers::Double, kCenter - height * kNormal) - 4.0 * M_PI * q).norm(),
+              300.0 * height);
+    EXPECT_LT((closed_form(Layers::Double, kCenter + height * kNormal) + 4.0 * M_PI * q).norm(),
+              300.0 * height);
+  }
 }

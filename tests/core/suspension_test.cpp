@@ -69,7 +69,7 @@ Evaluation evaluate(const Scene &s, double tolerance, double cutoff = 0.0,
   scene.body_radius = 1.0;
   scene.tolerance = tolerance;
   scene.method = method;
-  scene.min_cutoff = scene.max_cutoff = cutoff;
+  scene.cutoff = cutoff;
   const EwaldParameters p = choose_ewald_parameters(scene);
   PeriodicGhosts ghosts(s.nodes, s.cell, p.cutoff + 2.0 * s.longest_edge);
   FlatElements elements;

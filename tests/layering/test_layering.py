@@ -15,7 +15,7 @@ HEADER_BUDGET = 120
 LINE_BUDGET = 100
 
 ENTRY_POINTS = {"biem_main.cpp", "biemplugin.cpp", "biem_lammps_styles.h"}
-STANDARD_OR_LIBRARY = re.compile(r"^(Eigen/.*|fftw3(-mpi)?\.h|mpi\.h|[a-z_0-9]+)$")
+STANDARD_OR_LIBRARY = re.compile(r"^(immintrin\.h|Eigen/.*|fftw3(-mpi)?\.h|mpi\.h|[a-z_0-9]+)$")
 STYLE_GUARDS = re.compile(r"#ifdef +(ANGLE|DIHEDRAL|FIX|COMPUTE|COMMAND|PAIR)_CLASS")
 STYLE_WORDS = re.compile(
     r"\b(ANGLE|ATOM|BODY|BOND|COMMAND|COMPUTE|DIHEDRAL|DUMP|FIX|IMPROPER|INTEGRATE|KSPACE|MINIMIZE"

@@ -66,8 +66,8 @@ class Ranks(flow.FlowCase):
         self.assertGreater(np.abs(one[0][:, 6:9] - self.reference[0][:, 6:9]).max(), 1e-6)
         self.assert_same_frames(one, other, TOLERANCE)
 
-    def test_pswf_split(self):
-        one, other = (self.trajectory(n, more="ewald pswf") for n in (1, 4))
+    def test_other_split(self):
+        one, other = (self.trajectory(n, more="ewald spme") for n in (1, 4))
         difference = np.abs(one[0][:, 6:9] - self.reference[0][:, 6:9]).max()
         self.assertGreater(difference, 1e-8)
         self.assertLess(difference, 1e-3)    # the accuracy of both sums, velocities of order 1

@@ -83,11 +83,11 @@ class Restart(Case):
             second = self.restarted_run("middle", HALF, kind=kind)
             self.assert_same_frames(second, whole, SAME_RANKS)
 
-    def test_pswf_split(self):
-        more = "ewald pswf"
+    def test_other_split(self):
+        more = "ewald spme"
         self.write_cells(FLIP_AFTER)
         whole = self.whole_run(f"run {HALF}\nwrite_restart middle\nrun {HALF}\n", more=more)
-        self.assertIn("PSWF split", self.output)
+        self.assertIn("SPME, Gaussian split", self.output)
         second = self.restarted_run("middle", HALF, more=more)
         self.assert_same_frames(second, whole, SAME_RANKS)
 
