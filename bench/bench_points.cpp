@@ -43,7 +43,7 @@ std::array<int, 3> choose_lattice(const Mat3 &cell, double n)
     for (int j = 1; j <= most; j++)
       for (int k = 1; k <= most; k++) {
         const double count = static_cast<double>(i) * j * k;
-        if (n >= 1.5 && (count < 0.7 * n || count > 1.6 * n)) continue;
+        if (count < 0.7 * n || count > std::max(2.0, 1.6 * n)) continue;
         const Vec3 spacing = cell.diagonal().cwiseQuotient(Vec3(i, j, k));
         const double badness =
             spacing.maxCoeff() / spacing.minCoeff() + 0.1 * std::fabs(std::log(count / n));

@@ -43,7 +43,7 @@ def main():
     page.write_text(insert_tables(page.read_text(), results))
     for name, plot in PLOTS.items():
         figure = plot(results)
-        figure.savefig(folder / f"{name}.png", dpi=110)
+        figure.savefig(folder / f"{name}.png", dpi=110, bbox_inches="tight")
 
 
 if __name__ == "__main__":

@@ -30,10 +30,11 @@ if [ $mode = draw ]; then
 fi
 
 step "Building"
-cmake -S "$top" -B "$build" -DBIEM_BUILD_BENCH=on -DBIEM_BUILD_TESTS=off >"$build.log" 2>&1 &&
+mkdir -p "$build"
+log=$build/report.log
+cmake -S "$top" -B "$build" -DBIEM_BUILD_BENCH=on -DBIEM_BUILD_TESTS=off >"$log" 2>&1 &&
   cmake --build "$build" --parallel 2 --target ewald suspension near_triangle_bench \
-    >>"$build.log" 2>&1 || { tail -n 30 "$build.log" >&2; exit 1; }
-rm "$build.log"
+    >>"$log" 2>&1 || { tail -n 30 "$log" >&2; exit 1; }
 if [ $mode = quick ]; then
   page=$build/speed-vs-error
   mkdir -p "$page"
@@ -56,17 +57,19 @@ measure() {
   fi
 }
 all=1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,1e-8
+five=1e-2,1e-3,1e-4,1e-6,1e-8
 three=SL,DL,SL+DL
 
 step "Error against time"
 if [ $mode = quick ]; then
-  measure error_time.csv 1 ewald --n 1000,10000 --kernel $three --tolerance 1e-2,1e-3,1e-4,1e-6,1e-8 \
+  measure error_time.csv 1 ewald --n 1000,10000 --kernel $three --tolerance $five \
     --targets 50 --seconds 0.1
 else
   measure error_time.csv 1 ewald --n 1000,10000 --kernel $three --tolerance $all --targets 200
-  measure error_time.csv 1 ewald --n 100000 --kernel $three --tolerance $all --targets 30 --seconds 1
-  measure error_time.csv 1 ewald --n 1000000 --kernel SL,SL+DL \
-    --tolerance 1e-2,1e-3,1e-4,1e-6,1e-8 --targets 10 --seconds 1
+  measure error_time.csv 1 ewald --n 100000 --kernel $three --tolerance $all --targets 30 \
+    --seconds 1
+  measure error_time.csv 1 ewald --n 1000000 --kernel $three --tolerance $five --targets 10 \
+    --seconds 1
 fi
 
 step "Time against the number of points"
@@ -101,7 +104,8 @@ done
 step "Near field"
 "$build/bench/near_triangle_bench" --benchmark_min_time=0.1 --benchmark_format=json \
   >"$build/near_triangle.json"
-/usr/bin/python3 "$top/bench/report_near.py" "$build/near_triangle.json" "$results/near_triangle.csv"
+/usr/bin/python3 "$top/bench/report_near.py" "$build/near_triangle.json" \
+  "$results/near_triangle.csv"
 
 /usr/bin/python3 "$top/bench/report_machine.py" "$build" "$results/machine.csv"
 step "Tables and plots"

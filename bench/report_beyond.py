@@ -1,9 +1,9 @@
-"""Communication and memory on many ranks, on paper: from one measured evaluation of a suspension and
-the formulas of the page's section 'Beyond this machine'."""
+"""Communication and memory on many ranks, on paper: from one measured evaluation of a suspension
+and the formulas of the page's section 'Beyond this machine'."""
 
 import math
 
-from report_results import pick_one
+from report_results import pick_one, power_of_ten
 from report_tables import make_table, show_count
 
 TOLERANCE = 1e-3
@@ -58,7 +58,7 @@ def tabulate_beyond(results):
     row = pick_one(results.suspension, forces="membrane", split="pswf", tolerance=TOLERANCE,
                    ranks=1.0)
     if row is None:
-        raise SystemExit(f"report: suspension.csv has no row for {TOLERANCE:.0e} on one rank")
+        raise SystemExit(f"report: suspension.csv has no row for {TOLERANCE} on one rank")
     paper = Paper(row)
     head = ["nodes", "planes M", "ranks", "CPU s per evaluation", "grids, MB", "points, MB",
             "transposed, MB", "messages", "point exchange, MB", "ghosts", "ghost values, MB"]
@@ -69,7 +69,7 @@ def tabulate_beyond(results):
             ghosts = paper.ghosts(n, ranks)
             megabytes = [paper.grid_bytes(n, ranks), paper.point_bytes(n, ranks),
                          paper.transposed_bytes(n, ranks)]
-            cells = [f"{n:.0e}", show_count(paper.planes(n)), show_count(ranks),
+            cells = [f"{power_of_ten(n)}", show_count(paper.planes(n)), show_count(ranks),
                      f"{n / ranks * paper.seconds_per_node:.2g}"]
             cells += [f"{value / MEGABYTE:.3g}" for value in megabytes]
             cells += [show_count(2 * FIELDS * (ranks - 1)),

@@ -5,7 +5,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from report_results import KERNELS, PARTS, PHASES, SPLITS, fit_slope, pick, values
+from report_results import (KERNELS, PARTS, PHASES, SPLITS, fit_slope, pick, power_of_ten,
+                            values)
 
 COLORS = {"pswf": "#1f6fb4", "spme": "#d9601a"}
 SHADES = {"pswf": ["#9ecae1", "#4f9fd0", "#1f6fb4", "#08306b"],
@@ -25,12 +26,6 @@ plt.rcParams.update({"font.size": 10, "axes.grid": True, "grid.alpha": 0.3,
 
 def name_of(part):
     return NAMES.get(part, part)
-
-
-def power_of_ten(n):
-    """'1e5' for 100000."""
-    mantissa, exponent = f"{n:.0e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
 
 
 def plot_error_time(results):
@@ -68,9 +63,13 @@ def plot_growth(results):
                 axis.loglog([row["n"] for row in rows], [row["cpu_seconds"] for row in rows],
                             marker="o", markersize=4.5, color=COLORS[split],
                             linestyle="-" if tolerance > 1e-5 else "--",
-                            label=f"{split}, {tolerance:.0e}: slope {fit_slope(rows):.2f}")
+                            label=f"{split}, {power_of_ten(tolerance)}: "
+                                  f"slope {fit_slope(rows):.2f}")
         axis.set_title(kernel)
         axis.set_xlabel("points n")
+        numbers = values(results.scaling, "n")
+        axis.set_xticks(numbers, [f"{int(n)}" for n in numbers])
+        axis.minorticks_off()
         axis.legend(fontsize=9)
     axes[0][0].set_ylabel("CPU time of one evaluation [s]")
     return figure
@@ -108,7 +107,7 @@ def plot_phases(results):
                 found = pick(results.error_time, kernel=kernel, split=split, tolerance=tolerance,
                              n=results.n_tables)
                 rows += found
-                labels += [f"{tolerance:.0e}\n{split}"] * len(found)
+                labels += [f"{power_of_ten(tolerance)}\n{split}"] * len(found)
         heights.append(draw_bars(axis, labels, rows, PHASES, PHASE_COLORS,
                                  lambda row: 1e6 / row["n"]))
         axis.set_title(f"{kernel}, n = {power_of_ten(results.n_tables)}")
@@ -143,7 +142,8 @@ def plot_accuracy(results):
         line[0].set_ylabel("measured / requested")
     axes[0][0].invert_xaxis()
     handles, labels = axes[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncol=len(KERNELS) * 2, fontsize=9)
+    figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), fontsize=9,
+                  ncol=2 * len(KERNELS))
     return figure
 
 

@@ -28,6 +28,12 @@ def to_number(text):
         return text
 
 
+def power_of_ten(n):
+    """'1e5' for 100000, '1e-3' for 0.001."""
+    mantissa, exponent = f"{n:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
 def pick(rows, **wanted):
     """Rows whose columns have the wanted values."""
     return [row for row in rows if all(row[key] == value for key, value in wanted.items())]

@@ -1,6 +1,6 @@
 """The tables of the report as Markdown, one function each. Numbers come from the CSV files only."""
 
-from report_results import KERNELS, PARTS, SPLITS, fit_slope, pick, pick_one, values
+from report_results import KERNELS, PARTS, SPLITS, fit_slope, pick, pick_one, power_of_ten, values
 
 MISSING = "-"
 
@@ -57,14 +57,14 @@ def list_goals(results):
     n = show_count(results.n_tables)
     for tolerance, limit in ((1e-3, 0.9), (1e-6, 2.5)):
         row = find_at(results, "SL", "pswf", tolerance)
-        add(f"SL, pswf, {tolerance:.0e}, n = {n}: us per point", f"<= {limit}",
+        add(f"SL, pswf, {power_of_ten(tolerance)}, n = {n}: us per point", f"<= {limit}",
             row and row["us_per_point"], at_most(limit))
     for tolerance in (1e-3, 1e-4, 1e-6):
-        add(f"SL, {tolerance:.0e}, n = {n}: time spme / pswf", ">= 3",
+        add(f"SL, {power_of_ten(tolerance)}, n = {n}: time spme / pswf", ">= 3",
             compute_ratio(find_at(results, "SL", "spme", tolerance),
                           find_at(results, "SL", "pswf", tolerance)), at_least(3.0))
     for tolerance in (1e-3, 1e-6):
-        add(f"pswf, {tolerance:.0e}, n = {n}: time SL+DL / SL", "<= 2.5",
+        add(f"pswf, {power_of_ten(tolerance)}, n = {n}: time SL+DL / SL", "<= 2.5",
             compute_ratio(find_at(results, "SL+DL", "pswf", tolerance),
                           find_at(results, "SL", "pswf", tolerance)), at_most(2.5))
     ratios = [ratio for *_, found in list_growth(results) for ratio in found if ratio]
@@ -102,7 +102,7 @@ def tabulate_error_time(results):
                 row = find_at(results, kernel, split, tolerance)
                 cells.append(f"{show(row['us_per_point'])} ({show_error(row['measured_error'])})"
                              if row else MISSING)
-        rows.append([f"{tolerance:.0e}"] + cells)
+        rows.append([power_of_ten(tolerance)] + cells)
     return make_table(head, rows)
 
 
@@ -120,7 +120,8 @@ def tabulate_ratios(results):
                       for kernel in KERNELS]
             ratios += [compute_ratio(found["SL+DL", split], found["SL", split])
                        for split in SPLITS]
-            rows.append([show_count(n), f"{tolerance:.0e}"] + [show(ratio) for ratio in ratios])
+            rows.append([show_count(n), power_of_ten(tolerance)] +
+                        [show(ratio) for ratio in ratios])
     return make_table(head, rows)
 
 
@@ -142,8 +143,9 @@ def tabulate_growth(results):
     head = ["kernel", "split", "tolerance"]
     head += [f"us per point, n = {show_count(n)}" for n in numbers]
     head += [f"{show_count(b)} : {show_count(a)}" for a, b in zip(numbers, numbers[1:])]
-    rows = [[kernel, split, f"{tolerance:.0e}"] + [show(row["us_per_point"]) for row in found] +
-            [show(ratio) for ratio in ratios] + [show(fit_slope(found))]
+    rows = [[kernel, split, power_of_ten(tolerance)] +
+            [show(row["us_per_point"]) for row in found] + [show(ratio) for ratio in ratios] +
+            [show(fit_slope(found))]
             for kernel, split, tolerance, found, ratios in list_growth(results)]
     return make_table(head + ["slope"], rows)
 
@@ -164,7 +166,7 @@ def tabulate_ranks(results):
             "waiting and messages, ms"]
     rows = []
     for kernel, split, tolerance, n, one, two, efficiency in list_efficiencies(results):
-        rows.append([kernel, split, f"{tolerance:.0e}", show_count(n),
+        rows.append([kernel, split, power_of_ten(tolerance), show_count(n),
                      show(1e3 * one["cpu_seconds"]), show(1e3 * two["cpu_seconds"]),
                      f"{100.0 * efficiency:.0f} %", show(1e3 * (two["exchange"] + two["ghosts"]))])
     return make_table(head, rows)

@@ -16,6 +16,8 @@ set(BIEM_CORE_SOURCES
   biem_ewald_split_pswf.cpp
   biem_ewald_spread.cpp
   biem_ewald_sum.cpp
+  biem_ewald_transform.cpp
+  biem_ewald_tuning.cpp
   biem_ewald_window.cpp
   biem_membrane_bend.cpp
   biem_membrane_skalak.cpp

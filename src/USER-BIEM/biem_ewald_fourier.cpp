@@ -6,7 +6,8 @@
 namespace biem {
 
 FourierSum::FourierSum(MPI_Comm comm, const EwaldParameters &parameters) :
-    comm_(comm), parameters_(parameters), window_(make_window(parameters)), grid_(comm, parameters)
+    comm_(comm), parameters_(parameters), window_(make_window(parameters)), grid_(comm, parameters),
+    plane_owner_(find_plane_owners(comm, parameters.grid[0]))
 {
 }
 
@@ -24,25 +25,28 @@ void FourierSum::set_cell(const Mat3 &cell, const Vec3 &origin)
   inverse_cell_ = cell_.inverse();
 }
 
-Points FourierSum::to_fractional(PointsView points) const
+const Points &FourierSum::to_fractional(PointsView points)
 {
-  Points s = inverse_cell_ * (points.colwise() - origin_);
-  for (Eigen::Index i = 0; i < s.size(); i++) {
-    double &value = s.data()[i];
-    value -= std::floor(value);
-    if (value >= 1.0) value = 0.0;    // a tiny negative number rounds to 1
+  fractional_.resize(3, points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); i++) {
+    fractional_.col(i) = inverse_cell_ * (points.col(i) - origin_);
+    for (int a = 0; a < 3; a++) {
+      double &value = fractional_(a, i);
+      value -= std::floor(value);
+      if (value >= 1.0) value = 0.0;    // a tiny negative number rounds to 1
+    }
   }
-  return s;
+  return fractional_;
 }
 
 void FourierSum::set_points(PointsView targets, PointsView sources, PointsView normals)
 {
   CpuClock clock;
-  source_router_.set_points(comm_, grid_.layout(), to_fractional(sources), parameters_.order);
-  target_router_.set_points(comm_, grid_.layout(), to_fractional(targets), parameters_.order);
+  source_router_.set_points(comm_, plane_owner_, to_fractional(sources), parameters_.order);
+  target_router_.set_points(comm_, plane_owner_, to_fractional(targets), parameters_.order);
   int has_normals = normals.cols() > 0;
   MPI_Allreduce(MPI_IN_PLACE, &has_normals, 1, MPI_INT, MPI_MAX, comm_);
-  if (has_normals) source_router_.send(normals, normals_);
+  if (has_normals) normals_ = Points(source_router_.send(normals, routed_densities_));
   profile_.exchange += clock.restart();
   source_windows_.set_points(*window_, parameters_.grid, source_router_.points(),
                              has_normals ? WindowContent::ValuesAndSlopes : WindowContent::Values);
@@ -54,18 +58,20 @@ void FourierSum::set_points(PointsView targets, PointsView sources, PointsView n
 void FourierSum::spread(Layers layers, PointsView forces, PointsView densities)
 {
   CpuClock clock;
-  Points routed_forces(3, 0), routed_densities(3, 0);
-  if (has_single(layers)) source_router_.send(forces, routed_forces);
-  if (has_double(layers)) source_router_.send(densities, routed_densities);
+  const Points none(3, 0);
+  const PointsView routed_forces = has_single(layers) ? source_router_.send(forces, routed_forces_)
+                                                      : PointsView(none);
+  const PointsView routed_densities =
+      has_double(layers) ? source_router_.send(densities, routed_densities_) : PointsView(none);
   profile_.exchange += clock.restart();
-  grid_.clear(layers);
+  const GridSlab slab = grid_.clear(layers);
   if (has_double(layers)) {
     Mat3 to_grid = inverse_cell_;
     for (int a = 0; a < 3; a++)
       to_grid.row(a) *= parameters_.grid[a];
-    source_windows_.spread_layers(grid_.slab(), routed_forces, routed_densities, normals_, to_grid);
+    source_windows_.spread_layers(slab, routed_forces, routed_densities, normals_, to_grid);
   } else {
-    source_windows_.spread_forces(grid_.slab(), routed_forces);
+    source_windows_.spread_forces(slab, routed_forces);
   }
   profile_.spread += clock.restart();
 }
@@ -74,18 +80,26 @@ void FourierSum::add_layers(Layers layers, PointsView forces, PointsView densiti
                             PointsRef velocities)
 {
   spread(layers, forces, densities);
+  grid_.convolve(layers, cell_);
   CpuClock clock;
-  grid_.forward(layers);
-  profile_.transform += clock.restart();
-  grid_.apply_kernel(layers, cell_);
-  profile_.kernel += clock.restart();
-  grid_.backward();
-  profile_.transform += clock.restart();
-  Points values = Points::Zero(3, target_router_.points().cols());
-  target_windows_.interpolate(grid_.slab(), values);
+  if (target_router_.n_ranks() == 1) {
+    target_windows_.interpolate(grid_.slab(3), velocities);
+    profile_.interpolate += clock.restart();
+    return;
+  }
+  values_.setZero(3, target_router_.points().cols());
+  target_windows_.interpolate(grid_.slab(3), values_);
   profile_.interpolate += clock.restart();
-  target_router_.return_add(values, velocities);
+  target_router_.return_add(values_, velocities);
   profile_.exchange += clock.restart();
+}
+
+FourierProfile FourierSum::profile() const
+{
+  FourierProfile result = profile_;
+  result.transform = grid_.profile().transform;
+  result.kernel = grid_.profile().kernel;
+  return result;
 }
 
 }    // namespace biem

@@ -1,4 +1,4 @@
-// Fourier part of the periodic single and double layer sums on a particle mesh, on FFTW-MPI slabs:
+// Fourier part of the periodic single and double layer sums on a particle mesh, on slabs of a grid:
 // 3 forward (4 with a double layer) and 3 backward real transforms. The grid is fixed for the worst
 // tilt; a new cell only changes the wave vectors. Without the k = 0 terms.
 // Knows no surfaces and no real-space part. doc/theory, label spme.
@@ -6,6 +6,7 @@
 #define BIEM_EWALD_FOURIER_H
 
 #include "biem_ewald_grid.h"
+#include "biem_ewald_slab.h"
 
 namespace biem {
 
@@ -31,21 +32,24 @@ class FourierSum {
   // layer: 3 x n_sources each, not read when layers does not ask for them. Collective.
   void add_layers(Layers layers, PointsView forces, PointsView densities, PointsRef velocities);
 
-  const FourierProfile &profile() const { return profile_; }
+  FourierProfile profile() const;
 
  private:
-  Points to_fractional(PointsView points) const;
+  const Points &to_fractional(PointsView points);
   void spread(Layers layers, PointsView forces, PointsView densities);
 
   MPI_Comm comm_;
   EwaldParameters parameters_;
   std::unique_ptr<EwaldWindow> window_;
   EwaldGrid grid_;
+  std::vector<int> plane_owner_;
   Mat3 cell_ = Mat3::Identity(), inverse_cell_ = Mat3::Identity();
   Vec3 origin_ = Vec3::Zero();
   SlabRouter source_router_, target_router_;
   PointWindows source_windows_, target_windows_;
   Points normals_;    // of the routed sources
+  // Kept from call to call: fresh memory costs as much as the work on it.
+  Points fractional_, routed_forces_, routed_densities_, values_;
   FourierProfile profile_;
 };
 

@@ -1,167 +1,136 @@
-// Grid and transforms: see the header.
+// Convolution on the grid: see the header.
 #include "biem_ewald_grid.h"
-#include "biem_error.h"
+#include "biem_cpu_clock.h"
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <fftw3-mpi.h>
 
 namespace biem {
 
-// FFTW's arrays: planes x rows x padded columns, in place, one per component; modes transposed to
-// rows x planes x columns.
-struct EwaldGrid::Plans {
-  fftw_plan forward = nullptr, backward = nullptr;
-  std::array<double *, 4> memory{};       // with the margins
-  ptrdiff_t size = 0;                     // doubles per component, without the margins
-  ptrdiff_t first_row = 0, n_rows = 0;    // slab along axis 1, Fourier side
+namespace {
 
-  ~Plans()
+constexpr int kChunk = 64;    // columns transformed, multiplied and transformed back in the cache
+
+int count_fields(Layers layers)
+{
+  return has_double(layers) ? 4 : 3;
+}
+
+}    // namespace
+
+// What the kernel needs of the cell.
+struct EwaldGrid::Wave {
+  Mat3 reciprocal;    // columns b_0, b_1, b_2
+  double scale;       // 8 pi / V
+
+  explicit Wave(const Mat3 &cell) :
+      reciprocal(2.0 * M_PI * cell.inverse().transpose()),
+      scale(8.0 * M_PI / std::fabs(cell.determinant()))
   {
-    if (forward) fftw_destroy_plan(forward);
-    if (backward) fftw_destroy_plan(backward);
-    for (double *m : memory)
-      if (m) fftw_free(m);
   }
 };
 
 EwaldGrid::EwaldGrid(MPI_Comm comm, const EwaldParameters &parameters) :
     parameters_(parameters), factors_(*make_split(parameters), parameters.band_limit),
-    plans_(std::make_unique<Plans>())
+    transform_(comm, parameters.grid, parameters.modes)
 {
-  fftw_mpi_init();    // may be called any number of times
-  const ptrdiff_t n[3] = {parameters.grid[0], parameters.grid[1], parameters.grid[2]};
-  const ptrdiff_t complex_n[3] = {n[0], n[1], n[2] / 2 + 1};
-  Plans &p = *plans_;
-  ptrdiff_t n_planes, first_plane;
-  const ptrdiff_t local = fftw_mpi_local_size_3d_transposed(
-      n[0], n[1], complex_n[2], comm, &n_planes, &first_plane, &p.n_rows, &p.first_row);
-  p.size = 2 * std::max<ptrdiff_t>(local, 1);
-  slab_.grid = parameters.grid;
-  slab_.first_plane = static_cast<int>(first_plane);
-  slab_.n_planes = static_cast<int>(n_planes);
-  slab_.padded = 2 * complex_n[2];
-  allocate(3);
-  auto *modes = reinterpret_cast<fftw_complex *>(slab_.component[0]);
-  p.forward = fftw_mpi_plan_dft_r2c_3d(n[0], n[1], n[2], slab_.component[0], modes, comm,
-                                       FFTW_MEASURE | FFTW_MPI_TRANSPOSED_OUT);
-  p.backward = fftw_mpi_plan_dft_c2r_3d(n[0], n[1], n[2], modes, slab_.component[0], comm,
-                                        FFTW_MEASURE | FFTW_MPI_TRANSPOSED_IN);
-  if (!p.forward || !p.backward)
-    throw Error("FFTW could not plan a " + std::to_string(n[0]) + " x " + std::to_string(n[1]) +
-                " x " + std::to_string(n[2]) + " grid on this number of ranks");
-  layout_ = make_slab_layout(comm, parameters.grid[0], slab_.first_plane, slab_.n_planes);
   const std::unique_ptr<EwaldWindow> window = make_window(parameters);
   for (int a = 0; a < 3; a++)
     influence_[a] = compute_influence_factors(*window, parameters.grid[a]);
 }
 
-EwaldGrid::~EwaldGrid() = default;
-
-void EwaldGrid::allocate(int n_components)
+GridSlab EwaldGrid::slab(int n_fields)
 {
-  for (int c = 0; c < n_components; c++) {
-    if (plans_->memory[c]) continue;
-    const ptrdiff_t size = plans_->size + 2 * kGridMargin;
-    plans_->memory[c] = fftw_alloc_real(size);
-    if (!plans_->memory[c])
-      throw Error("no memory for " + std::to_string(size) +
-                  " grid values of the periodic sum: "
-                  "use more ranks or a larger tolerance");
-    std::fill_n(plans_->memory[c], size, 0.0);
-    slab_.component[c] = plans_->memory[c] + kGridMargin;
-  }
+  GridSlab slab;
+  slab.grid = parameters_.grid;
+  slab.n_fields = n_fields;
+  slab.first_plane = transform_.planes().begin;
+  slab.n_planes = transform_.planes().size();
+  slab.values = transform_.values(n_fields);
+  slab.plane_size = transform_.plane_size(n_fields);
+  return slab;
 }
 
-void EwaldGrid::clear(Layers layers)
+GridSlab EwaldGrid::clear(Layers layers)
 {
-  const int n = has_double(layers) ? 4 : 3;
-  allocate(n);
-  for (int c = 0; c < n; c++)
-    std::fill_n(slab_.component[c], plans_->size, 0.0);
+  const GridSlab result = slab(count_fields(layers));
+  std::fill_n(result.values, result.n_planes * result.plane_size, 0.0);
+  return result;
 }
 
-void EwaldGrid::forward(Layers layers)
-{
-  for (int c = 0; c < (has_double(layers) ? 4 : 3); c++)
-    fftw_mpi_execute_dft_r2c(plans_->forward, slab_.component[c],
-                             reinterpret_cast<fftw_complex *>(slab_.component[c]));
-}
-
-void EwaldGrid::backward()
-{
-  for (int c = 0; c < 3; c++)
-    fftw_mpi_execute_dft_c2r(plans_->backward, reinterpret_cast<fftw_complex *>(slab_.component[c]),
-                             slab_.component[c]);
-}
-
-// One row of modes along the third reciprocal vector: zero beyond the band limit, inside
+// Modes n0 of one column: zero beyond the band limit, inside
 //   u = (8 pi gamma / V k^2) influence [(I - kk/k^2) F + i k tr D].
-template <Layers layers>
-void EwaldGrid::multiply_row(int n0, int n1, ptrdiff_t row, const Mat3 &cell)
-{
-  const auto [m0, m1, m2] = parameters_.grid;
-  const int half = m2 / 2 + 1;
-  const Mat3 reciprocal = 2.0 * M_PI * cell.inverse().transpose();    // columns b_0, b_1, b_2
-  auto signed_mode = [](int n, int m) {
-    return n <= m / 2 ? n : n - m;
-  };
-  const Vec3 base =
-      signed_mode(n0, m0) * reciprocal.col(0) + signed_mode(n1, m1) * reciprocal.col(1);
-  const Vec3 step = reciprocal.col(2);
-  const double limit2 = parameters_.band_limit * parameters_.band_limit;
-  // |base + n step|^2 <= limit^2 for n between the roots of a quadratic.
-  const double center = -base.dot(step) / step.squaredNorm();
-  const double reach2 = (limit2 - base.squaredNorm()) / step.squaredNorm() + center * center;
-  int begin = half, end = half;
-  const bool is_nyquist = 2 * n0 == m0 || 2 * n1 == m1;
-  if (reach2 >= 0.0 && !is_nyquist) {
-    const double reach = std::sqrt(reach2);
-    begin = std::clamp(static_cast<int>(std::ceil(center - reach)), 0, half);
-    end = std::clamp(static_cast<int>(std::floor(center + reach)) + 1, begin, (m2 + 1) / 2);
-    if (end < begin) end = begin;
-  }
-  std::complex<double> *mode[4];
-  for (int c = 0; c < (has_double(layers) ? 4 : 3); c++) {
-    mode[c] = reinterpret_cast<std::complex<double> *>(slab_.component[c]) + row * half;
-    if (c == 3) continue;
-    std::fill_n(mode[c], begin, 0.0);
-    std::fill(mode[c] + end, mode[c] + half, 0.0);
-  }
-  const double scale =
-      8.0 * M_PI / std::fabs(cell.determinant()) * influence_[0][n0] * influence_[1][n1];
-  for (int n2 = begin; n2 < end; n2++) {
-    const Vec3 k = base + n2 * step;
-    const double k2 = k.squaredNorm();
-    if (k2 == 0.0) {
-      mode[0][n2] = mode[1][n2] = mode[2][n2] = 0.0;
-      continue;
-    }
-    const double inverse_k2 = 1.0 / k2;
-    const double g = scale * influence_[2][n2] * factors_.value(k2) * inverse_k2;
-    const std::complex<double> fx = mode[0][n2], fy = mode[1][n2], fz = mode[2][n2];
-    std::complex<double> along = -(k[0] * fx + k[1] * fy + k[2] * fz) * inverse_k2;
-    if (has_double(layers)) {
-      const std::complex<double> trace = mode[3][n2];
-      along += std::complex<double>(-trace.imag(), trace.real());
-    }
-    mode[0][n2] = g * (fx + k[0] * along);
-    mode[1][n2] = g * (fy + k[1] * along);
-    mode[2][n2] = g * (fz + k[2] * along);
-  }
-}
-
-void EwaldGrid::apply_kernel(Layers layers, const Mat3 &cell)
+template <Layers layers> void EwaldGrid::multiply_column(int i, const Wave &wave)
 {
   const int m0 = parameters_.grid[0];
-  for (ptrdiff_t row = 0; row < plans_->n_rows; row++)
-    for (int n0 = 0; n0 < m0; n0++) {
-      const int n1 = static_cast<int>(plans_->first_row + row);
-      if (has_double(layers))
-        multiply_row<Layers::Double>(n0, n1, row * m0 + n0, cell);
-      else
-        multiply_row<Layers::Single>(n0, n1, row * m0 + n0, cell);
+  const auto [n1, n2] = transform_.column_modes(i);
+  SlabTransform::Complex *field[4];
+  for (int f = 0; f < count_fields(layers); f++)
+    field[f] = transform_.column(i) + static_cast<std::ptrdiff_t>(f) * m0;
+  const Vec3 base = n1 * wave.reciprocal.col(1) + n2 * wave.reciprocal.col(2);
+  const Vec3 step = wave.reciprocal.col(0);
+  // |base + n step|^2 <= limit^2 for n between the roots of a quadratic.
+  const double limit2 = parameters_.band_limit * parameters_.band_limit;
+  const double center = -base.dot(step) / step.squaredNorm();
+  const double reach2 = (limit2 - base.squaredNorm()) / step.squaredNorm() + center * center;
+  int low = 0, high = -1;
+  if (reach2 >= 0.0) {
+    const int most = parameters_.modes[0];
+    low = std::max(-most, static_cast<int>(std::ceil(center - std::sqrt(reach2))));
+    high = std::min(most, static_cast<int>(std::floor(center + std::sqrt(reach2))));
+  }
+  const double scale =
+      wave.scale * influence_[1][n1 < 0 ? n1 + parameters_.grid[1] : n1] * influence_[2][n2];
+  auto multiply = [&](int begin, int end, int shift) {    // n0 + shift: signed mode
+    for (int n0 = begin; n0 < end; n0++) {
+      const Vec3 k = base + (n0 + shift) * step;
+      const double k2 = std::max(k.squaredNorm(), 1e-300);
+      const double inverse_k2 = 1.0 / k2;
+      const double g = scale * influence_[0][n0] * factors_.value(k2) * inverse_k2;
+      const SlabTransform::Complex fx = field[0][n0], fy = field[1][n0], fz = field[2][n0];
+      SlabTransform::Complex along = -(k[0] * fx + k[1] * fy + k[2] * fz) * inverse_k2;
+      if (has_double(layers)) {
+        const SlabTransform::Complex trace = field[3][n0];
+        along += SlabTransform::Complex(-trace.imag(), trace.real());
+      }
+      field[0][n0] = g * (fx + k[0] * along);
+      field[1][n0] = g * (fy + k[1] * along);
+      field[2][n0] = g * (fz + k[2] * along);
     }
+  };
+  auto clear = [&](int begin, int end) {
+    for (int f = 0; f < 3; f++)
+      std::fill(field[f] + begin, field[f] + std::max(begin, end), 0.0);
+  };
+  // Stored order: 0 ... high, zeros, then the negative modes.
+  const int first = std::max(0, low), end = std::max(first, high + 1);
+  const int first_negative = low < 0 && high >= low ? m0 + low : m0;
+  const int end_negative = low < 0 ? std::max(first_negative, m0 + std::min(high, -1) + 1) : m0;
+  clear(0, first);
+  multiply(first, end, 0);
+  clear(end, first_negative);
+  multiply(first_negative, end_negative, -m0);
+  clear(end_negative, m0);
+  if (n1 == 0 && n2 == 0) field[0][0] = field[1][0] = field[2][0] = 0.0;    // k = 0
+}
+
+void EwaldGrid::convolve(Layers layers, const Mat3 &cell)
+{
+  CpuClock clock;
+  const Wave wave(cell);
+  const int n_fields = count_fields(layers);
+  transform_.forward(n_fields);
+  for (int begin = 0; begin < transform_.n_columns(); begin += kChunk) {
+    const int end = std::min(transform_.n_columns(), begin + kChunk);
+    transform_.forward_columns(begin, end, n_fields);
+    profile_.transform += clock.restart();
+    for (int i = begin; i < end; i++)
+      has_double(layers) ? multiply_column<Layers::Double>(i, wave)
+                         : multiply_column<Layers::Single>(i, wave);
+    profile_.kernel += clock.restart();
+    transform_.backward_columns(begin, end);
+  }
+  transform_.backward();
+  profile_.transform += clock.restart();
 }
 
 }    // namespace biem

@@ -1,45 +1,43 @@
-// The grid of the particle mesh on FFTW-MPI slabs: memory, transforms, and the multiplication of
-// the Fourier modes by the periodic Stokes kernel. Three fields, a force density; with a double
-// layer a fourth, the scalar tr D. Knows no points. doc/theory, label spme.
+// The convolution of the particle mesh: fields on the grid -> Fourier modes -> times the periodic
+// Stokes kernel -> velocities on the grid. Three fields, a force density; with a double layer a
+// fourth, the scalar tr D. Knows no points. doc/theory, label spme.
 #ifndef BIEM_EWALD_GRID_H
 #define BIEM_EWALD_GRID_H
 
 #include "biem_ewald_parameters.h"
-#include "biem_ewald_slab.h"
 #include "biem_ewald_spread.h"
-#include <memory>
-#include <mpi.h>
+#include "biem_ewald_transform.h"
 
 namespace biem {
 
+// CPU seconds since construction.
+struct EwaldGridProfile {
+  double transform = 0.0, kernel = 0.0;
+};
+
 class EwaldGrid {
  public:
-  // Collective over comm. Plans the transforms: takes up to seconds for large grids.
-  EwaldGrid(MPI_Comm comm, const EwaldParameters &parameters);
-  ~EwaldGrid();
-  EwaldGrid(const EwaldGrid &) = delete;
-  EwaldGrid &operator=(const EwaldGrid &) = delete;
+  EwaldGrid(MPI_Comm comm, const EwaldParameters &parameters);    // collective
 
-  const GridSlab &slab() const { return slab_; }
-  const SlabLayout &layout() const { return layout_; }
+  // This rank's planes for n fields, as they are before (3 or 4) and after (3) the convolution.
+  GridSlab slab(int n_fields);
+  // Cleared planes for the fields of the layers.
+  GridSlab clear(Layers layers);
+  // Fields -> velocities; cell: columns = lattice vectors. Collective.
+  void convolve(Layers layers, const Mat3 &cell);
 
-  void clear(Layers layers);
-  // In place: fields -> modes of the velocity; cell: columns = lattice vectors. Collective.
-  void forward(Layers layers);
-  void apply_kernel(Layers layers, const Mat3 &cell);
-  void backward();
+  RankRange planes() const { return transform_.planes(); }
+  const EwaldGridProfile &profile() const { return profile_; }
 
  private:
-  struct Plans;
-  template <Layers layers> void multiply_row(int n0, int n1, ptrdiff_t row, const Mat3 &cell);
-  void allocate(int n_components);
+  struct Wave;
+  template <Layers layers> void multiply_column(int i, const Wave &wave);
 
   EwaldParameters parameters_;
   FourierFactorTable factors_;
   std::array<std::vector<double>, 3> influence_;    // per axis and mode
-  std::unique_ptr<Plans> plans_;
-  GridSlab slab_;
-  SlabLayout layout_;
+  SlabTransform transform_;
+  EwaldGridProfile profile_;
 };
 
 }    // namespace biem

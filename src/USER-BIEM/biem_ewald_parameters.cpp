@@ -16,8 +16,9 @@ namespace {
 constexpr double kMostGridPoints = 2e9;         // what a large cluster can still hold
 constexpr double kTightestTolerance = 1e-10;    // double precision leaves no margin below
 // Shares of the tolerance for the independent error sources, added in quadrature.
-constexpr double kSpmeShare = 0.40;    // real space, truncation, aliasing
-constexpr double kPswfShare = 0.45;    // truncation, aliasing
+constexpr double kSpmeShare = 0.40;         // real space, truncation, aliasing
+constexpr double kPswfShare = 0.45;         // truncation, aliasing
+constexpr double kDistinctCutoffs = 0.1;    // relative, of candidates to be timed
 constexpr double kFinestOversampling = 3.0, kOversamplingStep = 0.05;
 
 double volume(const EwaldScene &s)
@@ -35,14 +36,16 @@ template <class Function> double find_root(Function f, double target, double low
   return high;
 }
 
+// |k| <= K has |n_a| <= K |a_a| / 2 pi. The mode at half of the grid is never used.
 void set_grid(const EwaldScene &s, double spacing, EwaldParameters &p)
 {
   const Vec3 lengths = worst_lengths(s);
-  for (int a = 0; a < 3; a++)
-    p.grid[a] =
-        s.grid[a] > 0
-            ? s.grid[a]
-            : next_fft_size(std::max(p.order, static_cast<int>(std::ceil(lengths[a] / spacing))));
+  for (int a = 0; a < 3; a++) {
+    const int needed = std::max(p.order, static_cast<int>(std::ceil(lengths[a] / spacing)));
+    p.grid[a] = s.grid[a] > 0 ? s.grid[a] : next_fft_size(needed);
+    p.modes[a] =
+        std::min(static_cast<int>(p.band_limit * lengths[a] / (2.0 * M_PI)), (p.grid[a] - 1) / 2);
+  }
 }
 
 // Of one order, for oversamplings 1 + kOversamplingStep, 1 + 2 kOversamplingStep, ...; made once.
@@ -274,9 +277,14 @@ std::vector<EwaldParameters> rank_ewald_parameters(const EwaldScene &s, int n)
   std::stable_sort(found.begin(), found.end(),
                    [](const auto &a, const auto &b) { return a.first < b.first; });
   std::vector<EwaldParameters> result;
-  for (size_t i = 0; i < found.size() && i < static_cast<size_t>(n); i++) {
-    result.push_back(found[i].second);
-    result.back().expected_error = compute_expected_error(s, result.back());
+  for (const auto &[cost, p] : found) {
+    if (static_cast<int>(result.size()) == n) break;
+    auto is_similar = [&p = p](const EwaldParameters &q) {
+      return q.order == p.order && std::fabs(std::log(q.cutoff / p.cutoff)) < kDistinctCutoffs;
+    };
+    if (std::any_of(result.begin(), result.end(), is_similar)) continue;
+    result.push_back(p);
+    result.back().expected_error = compute_expected_error(s, p);
   }
   return result;
 }

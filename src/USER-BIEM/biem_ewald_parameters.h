@@ -43,6 +43,7 @@ struct EwaldParameters {
   int order = 0;                  // support of the window, grid points
   double oversampling = 0.0;      // of the Kaiser-Bessel window
   std::array<int, 3> grid{};      // points along each lattice vector
+  std::array<int, 3> modes{};     // largest |n_a| within the band limit, in the worst tilt
   double tolerance = 0.0;         // requested
   double expected_error = 0.0;    // predicted, same norm
 };

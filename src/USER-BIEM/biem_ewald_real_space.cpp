@@ -26,11 +26,11 @@ BIEM_INLINE Pack evaluate_polynomial(const std::vector<double> &c, Pack v)
 
 }    // namespace
 
-void RealSpaceSum::sort_points(PointsView points, std::vector<int> &start,
-                               std::vector<int> &order) const
+void RealSpaceSum::sort_points(PointsView points, std::vector<int> &start, std::vector<int> &order)
 {
   const int n = static_cast<int>(points.cols());
-  std::vector<int> cell(n);
+  std::vector<int> &cell = cell_of_point_;
+  cell.resize(n);
   start.assign(n_cells_[0] * n_cells_[1] * n_cells_[2] + 1, 0);
   order.resize(n);
   const double inverse = 1.0 / cell_size_;
@@ -45,9 +45,11 @@ void RealSpaceSum::sort_points(PointsView points, std::vector<int> &start,
   }
   for (size_t c = 1; c < start.size(); c++)
     start[c] += start[c - 1];
-  std::vector<int> next(start.begin(), start.end() - 1);
-  for (int i = 0; i < n; i++)
-    order[next[cell[i]]++] = i;
+  for (int i = 0; i < n; i++)    // moves every start to the next cell's
+    order[start[cell[i]]++] = i;
+  for (size_t c = start.size() - 1; c > 0; c--)
+    start[c] = start[c - 1];
+  start[0] = 0;
 }
 
 void RealSpaceSum::set_search_cells(const Vec3 &size)
@@ -64,7 +66,7 @@ void RealSpaceSum::set_search_cells(const Vec3 &size)
 
 void RealSpaceSum::set_points(PointsView targets, PointsView sources, PointsView normals)
 {
-  targets_ = targets;
+  targets_.resize(3, targets.cols());
   n_sources_ = static_cast<int>(sources.cols());
   if (targets.cols() == 0 || n_sources_ == 0) return;
   lower_ = targets.rowwise().minCoeff().cwiseMin(sources.rowwise().minCoeff());
@@ -77,6 +79,8 @@ void RealSpaceSum::set_points(PointsView targets, PointsView sources, PointsView
       n_occupied += target_start_[c] > target_start_[c - 1];
     if (reach_ == 1 || targets.cols() >= kFewTargets * n_occupied) break;
   }
+  for (Eigen::Index t = 0; t < targets.cols(); t++)
+    targets_.col(t) = targets.col(target_order_[t]);
   sort_points(sources, source_start_, source_order_);
   normals_ = normals;
   for (int a = 0; a < 3; a++) {
@@ -230,7 +234,7 @@ template <Layers layers> void RealSpaceSum::add_all(PointsRef velocities)
     if (n_gathered == 0) continue;
     const Vec3 center = get_center(cell);
     for (int t = target_start_[cell]; t < target_start_[cell + 1]; t++) {
-      const Vec3 target = targets_.col(target_order_[t]);
+      const Vec3 target = targets_.col(t);
       const int n = find_close(n_gathered, target - center);
       velocities.col(target_order_[t]) += sum_close<layers>(n, target);
       n_pairs_ += n;

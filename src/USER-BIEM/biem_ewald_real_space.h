@@ -31,7 +31,7 @@ class RealSpaceSum {
   template <Layers layers> static constexpr int record_size();
 
   void set_search_cells(const Vec3 &size);
-  void sort_points(PointsView points, std::vector<int> &start, std::vector<int> &order) const;
+  void sort_points(PointsView points, std::vector<int> &start, std::vector<int> &order);
   void fill_records(Layers layers, PointsView forces, PointsView densities);
   template <Layers layers> void add_all(PointsRef velocities);
   int gather_sources(int cell);
@@ -40,7 +40,7 @@ class RealSpaceSum {
   Vec3 get_center(int cell) const;
 
   RealSpaceKernel kernel_;
-  Points targets_, normals_;
+  Points targets_, normals_;    // targets in the order of search cells
   int n_sources_ = 0;
   Vec3 lower_ = Vec3::Zero();
   double cell_size_ = 1.0;
@@ -48,6 +48,7 @@ class RealSpaceSum {
   std::array<int, 3> n_cells_{};
   std::vector<int> target_start_, target_order_, source_start_, source_order_;
   std::array<std::vector<double>, 3> sorted_;     // source positions in the order of search cells
+  std::vector<int> cell_of_point_;                // scratch of sort_points
   std::vector<double> records_;                   // all sources and one dummy
   std::array<std::vector<float>, 3> gathered_;    // candidates relative to a search cell's center
   std::vector<int> gathered_index_, close_;       // records of the candidates; of the close ones

@@ -1,28 +1,25 @@
 // Slab routing: see the header.
 #include "biem_ewald_slab.h"
+#include "biem_ewald_transform.h"
 #include "biem_ewald_window.h"
 #include <algorithm>
 #include <cmath>
 
 namespace biem {
 
-SlabLayout make_slab_layout(MPI_Comm comm, int n_planes, int first, int count)
+std::vector<int> find_plane_owners(MPI_Comm comm, int n_planes)
 {
   int n_ranks;
   MPI_Comm_size(comm, &n_ranks);
-  const int mine[2] = {first, count};
-  std::vector<int> all(2 * n_ranks);
-  MPI_Allgather(mine, 2, MPI_INT, all.data(), 2, MPI_INT, comm);
-  SlabLayout layout;
-  layout.first = first;
-  layout.count = count;
-  layout.owner.resize(n_planes);
-  for (int r = 0; r < n_ranks; r++)
-    std::fill_n(layout.owner.begin() + (all[2 * r + 1] > 0 ? all[2 * r] : 0), all[2 * r + 1], r);
-  return layout;
+  std::vector<int> owner(n_planes);
+  for (int r = 0; r < n_ranks; r++) {
+    const RankRange planes = get_rank_range(n_planes, r, n_ranks);
+    std::fill(owner.begin() + planes.begin, owner.begin() + planes.end, r);
+  }
+  return owner;
 }
 
-void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView fractional,
+void SlabRouter::set_points(MPI_Comm comm, const std::vector<int> &owner, PointsView fractional,
                             int order)
 {
   comm_ = comm;
@@ -32,14 +29,14 @@ void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView 
     routed_ = fractional;
     return;
   }
-  const int n_planes = static_cast<int>(layout.owner.size());
+  const int n_planes = static_cast<int>(owner.size());
   std::vector<std::vector<int>> destinations(n_ranks);
   for (int i = 0; i < fractional.cols(); i++) {
     const int first = static_cast<int>(std::floor(fractional(0, i) * n_planes - 0.5 * order)) + 1;
     std::array<int, kMaxWindowOrder> seen{};
     int n_seen = 0;
     for (int j = 0; j < order; j++) {
-      const int rank = layout.owner[((first + j) % n_planes + n_planes) % n_planes];
+      const int rank = owner[((first + j) % n_planes + n_planes) % n_planes];
       if (std::find(seen.begin(), seen.begin() + n_seen, rank) != seen.begin() + n_seen) continue;
       seen[n_seen++] = rank;
       destinations[rank].push_back(i);
@@ -65,26 +62,20 @@ void SlabRouter::set_points(MPI_Comm comm, const SlabLayout &layout, PointsView 
   send(fractional, routed_);
 }
 
-void SlabRouter::send(PointsView values, Points &routed) const
+PointsView SlabRouter::send(PointsView values, Points &buffer) const
 {
-  if (n_ranks_ == 1) {
-    routed = values;
-    return;
-  }
-  Points buffer(3, send_index_.size());
+  if (n_ranks_ == 1) return values;
+  Points out(3, send_index_.size());
   for (size_t i = 0; i < send_index_.size(); i++)
-    buffer.col(i) = values.col(send_index_[i]);
-  routed.resize(3, routed_.cols());
-  MPI_Alltoallv(buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, routed.data(),
+    out.col(i) = values.col(send_index_[i]);
+  buffer.resize(3, routed_.cols());
+  MPI_Alltoallv(out.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, buffer.data(),
                 receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE, comm_);
+  return buffer;
 }
 
 void SlabRouter::return_add(const Points &routed, PointsRef values) const
 {
-  if (n_ranks_ == 1) {
-    values += routed;
-    return;
-  }
   Points buffer(3, send_index_.size());
   MPI_Alltoallv(routed.data(), receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE,
                 buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, comm_);

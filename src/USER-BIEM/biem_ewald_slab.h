@@ -8,24 +8,21 @@
 
 namespace biem {
 
-// Planes of the first grid dimension owned by each rank.
-struct SlabLayout {
-  std::vector<int> owner;      // plane -> rank
-  int first = 0, count = 0;    // planes of this rank
-};
-
-SlabLayout make_slab_layout(MPI_Comm comm, int n_planes, int first, int count);
+// Rank that owns each plane of the first grid dimension.
+std::vector<int> find_plane_owners(MPI_Comm comm, int n_planes);
 
 class SlabRouter {
  public:
   // fractional: 3 x n in [0,1), this rank's points; order: window width in planes. Collective.
-  void set_points(MPI_Comm comm, const SlabLayout &layout, PointsView fractional, int order);
+  void set_points(MPI_Comm comm, const std::vector<int> &plane_owner, PointsView fractional,
+                  int order);
 
+  int n_ranks() const { return n_ranks_; }
   // Points that touch this rank's planes, 3 x n_routed.
   const Points &points() const { return routed_; }
-  // values: 3 x n of the owners -> 3 x n_routed.
-  void send(PointsView values, Points &routed) const;
-  // Adds 3 x n_routed partial results to the owners' 3 x n.
+  // values: 3 x n of the owners -> 3 x n_routed, in buffer; on one rank values itself. Collective.
+  PointsView send(PointsView values, Points &buffer) const;
+  // Adds 3 x n_routed partial results to the owners' 3 x n. On several ranks only; collective.
   void return_add(const Points &routed, PointsRef values) const;
 
  private:

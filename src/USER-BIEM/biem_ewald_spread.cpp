@@ -54,107 +54,105 @@ void PointWindows::set_points(const EwaldWindow &window, const std::array<int, 3
 
 // The loops for one order of the window, so that the compiler unrolls them.
 template <int order> struct PointWindows::Loops {
-  using Row = SimdRow<order>;
+  using ForceRow = SimdRow<3 * order>;    // of interleaved fields
+  using LayerRow = SimdRow<4 * order>;
 
-  // What one entry touches: rows[a * order + b], null in planes of other ranks.
-  struct Rows {
-    const double *weights;    // 3 x padded
-    std::ptrdiff_t offset[order * order];
-    bool has[order];
+  // What one entry touches.
+  struct Entry {
+    const double *weights[3];
+    std::ptrdiff_t row[order];    // offset of each row in its plane
+    double *plane[order];         // null: of another rank
+    int first;                    // along the row
+    int n_fields, size;
 
-    Rows(const PointWindows &w, const GridSlab &slab, int i) :
-        weights(&w.weights_[3 * static_cast<size_t>(w.padded_) * i])
+    Entry(const PointWindows &w, const GridSlab &slab, int i) :
+        first(w.first_[3 * i + 2]), n_fields(slab.n_fields), size(slab.grid[2])
     {
-      const int *first = &w.first_[3 * i];
-      std::ptrdiff_t row[order];
+      for (int a = 0; a < 3; a++)
+        weights[a] = &w.weights_[(3 * static_cast<size_t>(i) + a) * w.padded_];
       for (int b = 0; b < order; b++) {
-        const int y = first[1] + b;
-        row[b] = (y < slab.grid[1] ? y : y % slab.grid[1]) * slab.padded;
+        const int x = w.first_[3 * i] + b, y = w.first_[3 * i + 1] + b;
+        const int plane_index = (x < slab.grid[0] ? x : x % slab.grid[0]) - slab.first_plane;
+        plane[b] = plane_index >= 0 && plane_index < slab.n_planes
+                       ? slab.values + plane_index * slab.plane_size
+                       : nullptr;
+        row[b] = static_cast<std::ptrdiff_t>(y < slab.grid[1] ? y : y % slab.grid[1]) *
+                 slab.grid[2] * n_fields;
       }
-      for (int a = 0; a < order; a++) {
-        const int x = first[0] + a;
-        const int plane = (x < slab.grid[0] ? x : x % slab.grid[0]) - slab.first_plane;
-        has[a] = plane >= 0 && plane < slab.n_planes;
-        for (int b = 0; b < order; b++)
-          offset[a * order + b] =
-              static_cast<std::ptrdiff_t>(plane) * slab.grid[1] * slab.padded + row[b];
+    }
+
+    // Calls run(offset in the row, weights, slopes) for each part of the window along the row: one,
+    // or several when it wraps around the edge. slopes may be null.
+    template <class Run> BIEM_INLINE void split_row(const double *slopes, const Run &run) const
+    {
+      if (first + order <= size) {
+        run(first * n_fields, weights[2], slopes);
+        return;
+      }
+      for (int start = first; start > -order; start -= size) {
+        double part[order], part_slopes[order];
+        for (int k = 0; k < order; k++) {
+          const bool is_inside = start + k >= 0 && start + k < size;
+          part[k] = is_inside ? weights[2][k] : 0.0;
+          part_slopes[k] = is_inside && slopes ? slopes[k] : 0.0;
+        }
+        run(start * n_fields, part, part_slopes);
       }
     }
   };
 
-  // Calls run(start in the row, weights, slopes) for each part of the window along the row: one, or
-  // several when it wraps around the edge.
-  template <class Run>
-  static BIEM_INLINE void split_row(const double *w, const double *d, int first, int size,
-                                    const Run &run)
+  // Values of a field vector times window weights along the row, interleaved.
+  template <int n> static BIEM_INLINE SimdRow<n * order> make_row(const double *w, const double *f)
   {
-    if (first + order <= size) {
-      run(first, w, d);
-      return;
-    }
-    for (int start = first; start > -order; start -= size) {
-      double part[Row::kSize], part_d[Row::kSize];
-      for (int k = 0; k < Row::kSize; k++) {
-        const bool is_inside = start + k >= 0 && start + k < size;
-        part[k] = is_inside ? w[k] : 0.0;
-        part_d[k] = is_inside && d ? d[k] : 0.0;
-      }
-      run(start, part, part_d);
-    }
+    double values[SimdRow<n * order>::kSize] = {};
+    for (int k = 0; k < order; k++)
+      for (int c = 0; c < n; c++)
+        values[n * k + c] = w[k] * f[c];
+    return SimdRow<n * order>::load_from(values);
   }
 
   static void spread_forces(const PointWindows &w, const GridSlab &slab, PointsView forces)
   {
     for (int i = 0; i < w.size(); i++) {
-      const Rows rows(w, slab, i);
-      const double *w0 = rows.weights, *w1 = w0 + w.padded_, *w2 = w1 + w.padded_;
+      const Entry entry(w, slab, i);
       const Vec3 f = forces.col(w.order_[i]);
-      split_row(w2, nullptr, w.first_[3 * i + 2], slab.grid[2],
-                [&](int start, const double *part, const double *) {
-                  const Row window = Row::load_from(part);
-                  for (int a = 0; a < order; a++) {
-                    if (!rows.has[a]) continue;
-                    for (int b = 0; b < order; b++) {
-                      const double weight = w0[a] * w1[b];
-                      const std::ptrdiff_t at = rows.offset[a * order + b] + start;
-                      for (int c = 0; c < 3; c++)
-                        add_to(slab.component[c] + at, weight * f[c], window);
-                    }
-                  }
-                });
+      entry.split_row(nullptr, [&](std::ptrdiff_t start, const double *part, const double *) {
+        const ForceRow source = make_row<3>(part, f.data());
+        for (int a = 0; a < order; a++) {
+          if (!entry.plane[a]) continue;
+          for (int b = 0; b < order; b++) {
+            double *p = entry.plane[a] + entry.row[b] + start;
+            ForceRow sum = ForceRow::load_from(p);
+            sum.add(entry.weights[0][a] * entry.weights[1][b], source);
+            sum.store_to(p);
+          }
+        }
+      });
     }
   }
 
-  static BIEM_INLINE void add_to(double *p, double factor, const Row &row)
-  {
-    Row sum = Row::load_from(p);
-    sum.add(factor, row);
-    sum.store_to(p);
-  }
-
   // g = -2 D to_grid^T: column a belongs to the derivative along axis a.
-  static BIEM_INLINE void spread_one(const Rows &rows, const GridSlab &slab, const double *d,
-                                     int padded, int first, const Vec3 &f, const Mat3 &g,
-                                     double trace)
+  static BIEM_INLINE void spread_one(const Entry &entry, const double *slopes, int padded,
+                                     const Vec3 &f, const Mat3 &g, double trace)
   {
-    const double *w0 = rows.weights, *w1 = w0 + padded, *w2 = w1 + padded;
-    const double *d0 = d, *d1 = d0 + padded, *d2 = d1 + padded;
-    split_row(w2, d2, first, slab.grid[2], [&](int start, const double *w, const double *slope) {
-      const Row window = Row::load_from(w), slopes = Row::load_from(slope);
+    const double *d0 = slopes, *d1 = d0 + padded, *d2 = d1 + padded;
+    const double *w0 = entry.weights[0], *w1 = entry.weights[1];
+    entry.split_row(d2, [&](std::ptrdiff_t start, const double *part, const double *part_slopes) {
       for (int a = 0; a < order; a++) {
-        if (!rows.has[a]) continue;
-        const Vec3 f_a = w0[a] * f + d0[a] * g.col(0), g1_a = w0[a] * g.col(1),
-                   g2_a = w0[a] * g.col(2);
+        if (!entry.plane[a]) continue;
+        Eigen::Vector4d value, along1, along2;    // times w1, slope of w1, slope of w2
+        value << w0[a] * f + d0[a] * g.col(0), w0[a] * trace;
+        along1 << w0[a] * g.col(1), 0.0;
+        along2 << w0[a] * g.col(2), 0.0;
+        LayerRow plain = make_row<4>(part, value.data());
+        plain.add(1.0, make_row<4>(part_slopes, along2.data()));
+        const LayerRow sloped = make_row<4>(part, along1.data());
         for (int b = 0; b < order; b++) {
-          const std::ptrdiff_t at = rows.offset[a * order + b] + start;
-          for (int c = 0; c < 3; c++) {
-            double *p = slab.component[c] + at;
-            Row sum = Row::load_from(p);
-            sum.add(w1[b] * f_a[c] + d1[b] * g1_a[c], window);
-            sum.add(w1[b] * g2_a[c], slopes);
-            sum.store_to(p);
-          }
-          add_to(slab.component[3] + at, trace * w0[a] * w1[b], window);
+          double *p = entry.plane[a] + entry.row[b] + start;
+          LayerRow sum = LayerRow::load_from(p);
+          sum.add(w1[b], plain);
+          sum.add(d1[b], sloped);
+          sum.store_to(p);
         }
       }
     });
@@ -170,33 +168,30 @@ template <int order> struct PointWindows::Loops {
       const Vec3 q = densities.col(point), n = normals.col(point);
       const Vec3 f = forces.cols() > 0 ? Vec3(forces.col(point)) : Vec3(Vec3::Zero());
       const Mat3 g = -(q * n.transpose() + n * q.transpose()) * to_grid_transposed;
-      spread_one(Rows(w, slab, i), slab, &w.slopes_[3 * static_cast<size_t>(w.padded_) * i],
-                 w.padded_, w.first_[3 * i + 2], f, g, q.dot(n));
+      spread_one(Entry(w, slab, i), &w.slopes_[3 * static_cast<size_t>(w.padded_) * i], w.padded_,
+                 f, g, q.dot(n));
     }
   }
 
   static void interpolate(const PointWindows &w, const GridSlab &slab, PointsRef values)
   {
     for (int i = 0; i < w.size(); i++) {
-      const Rows rows(w, slab, i);
-      const double *w0 = rows.weights, *w1 = w0 + w.padded_, *w2 = w1 + w.padded_;
+      const Entry entry(w, slab, i);
       Vec3 u = Vec3::Zero();
-      split_row(w2, nullptr, w.first_[3 * i + 2], slab.grid[2],
-                [&](int start, const double *part, const double *) {
-                  Row column[3] = {};
-                  for (int a = 0; a < order; a++) {
-                    if (!rows.has[a]) continue;
-                    for (int b = 0; b < order; b++) {
-                      const double weight = w0[a] * w1[b];
-                      const std::ptrdiff_t at = rows.offset[a * order + b] + start;
-                      for (int c = 0; c < 3; c++)
-                        column[c].add(weight, Row::load_from(slab.component[c] + at));
-                    }
-                  }
-                  const Row window = Row::load_from(part);
-                  for (int c = 0; c < 3; c++)
-                    u[c] += column[c].dot(window);
-                });
+      entry.split_row(nullptr, [&](std::ptrdiff_t start, const double *part, const double *) {
+        ForceRow sum = {};
+        for (int a = 0; a < order; a++) {
+          if (!entry.plane[a]) continue;
+          for (int b = 0; b < order; b++)
+            sum.add(entry.weights[0][a] * entry.weights[1][b],
+                    ForceRow::load_from(entry.plane[a] + entry.row[b] + start));
+        }
+        double column[ForceRow::kSize];
+        sum.store_to(column);
+        for (int k = 0; k < order; k++)
+          for (int c = 0; c < 3; c++)
+            u[c] += part[k] * column[3 * k + c];
+      });
       values.col(w.order_[i]) += u;
     }
   }

@@ -9,14 +9,15 @@
 
 namespace biem {
 
-// One rank's planes of the grid, rows of padded doubles. Every component has kGridMargin spare
-// doubles before and after it.
-constexpr int kGridMargin = 2 * kMaxWindowOrder;
+// One rank's planes of the grid, all fields interleaved: field f at (plane, row, z) is
+// values[(plane - first_plane) * plane_size + (row * grid[2] + z) * n_fields + f]. Up to
+// SlabTransform::kMargin doubles before and after may be touched (by adding zero).
 struct GridSlab {
-  std::array<int, 3> grid{};              // points along each lattice vector
-  int first_plane = 0, n_planes = 0;      // of axis 0
-  std::ptrdiff_t padded = 0;              // doubles per row
-  std::array<double *, 4> component{};    // three of a vector field, then a scalar field
+  std::array<int, 3> grid{};    // points along each lattice vector
+  int n_fields = 3;
+  int first_plane = 0, n_planes = 0;    // of axis 0
+  double *values = nullptr;
+  std::ptrdiff_t plane_size = 0;
 };
 
 enum class WindowContent { Values, ValuesAndSlopes };
@@ -31,14 +32,14 @@ class PointWindows {
 
   int size() const { return static_cast<int>(order_.size()); }
 
-  // Adds f times the window to the three components: f is 3 x n.
+  // Adds f times the window to the three fields: f is 3 x n.
   void spread_forces(const GridSlab &slab, PointsView forces) const;
-  // Adds the sources of a double layer: -2 D grad to the three components, tr D to the fourth, with
-  // D = sym(q n), and forces as above (3 x n, or 3 x 0: none). to_grid: row a = M_a times row a of
-  // the inverse cell, from a displacement to grid coordinates.
+  // Adds the sources of a double layer: -2 D grad to the first three of four fields, tr D to the
+  // fourth, with D = sym(q n), and forces as above (3 x n, or 3 x 0: none). to_grid: row a = M_a
+  // times row a of the inverse cell, from a displacement to grid coordinates.
   void spread_layers(const GridSlab &slab, PointsView forces, PointsView densities,
                      PointsView normals, const Mat3 &to_grid) const;
-  // values (3 x n) += window-weighted sums of the three components.
+  // values (3 x n) += window-weighted sums of the three fields.
   void interpolate(const GridSlab &slab, PointsRef values) const;
 
  private:

@@ -45,7 +45,7 @@ biem::Mat3 get_cell(LAMMPS *lmp);
 biem::Vec3 get_origin(LAMMPS *lmp);
 
 // Ewald parameters as numbers for a restart file, and back.
-constexpr int kEwaldStateSize = 11;
+constexpr int kEwaldStateSize = 14;
 std::vector<double> to_state(const biem::EwaldParameters &parameters);
 biem::EwaldParameters to_ewald_parameters(const double *state);
 

@@ -31,6 +31,17 @@ std::string describe_units(const std::string &style)
   return "units " + style + ": " + (text.count(style) ? text.at(style) : "as documented by LAMMPS");
 }
 
+// Empty if the periodic sum keeps its tolerance, as it does unless parameters were given.
+std::string warn_of_error(const biem::EwaldParameters &p)
+{
+  if (p.expected_error <= p.tolerance) return "";
+  return fmt::format("WARNING: Fix biem: expected error {:.2g} of the periodic sum is larger than "
+                     "accuracy {:.2g}: the parameters that are given (keywords cutoff, splitting, "
+                     "order, grid) do not reach it; leave some of them out, or give a larger "
+                     "cutoff, a higher order or a finer grid\n",
+                     p.expected_error, p.tolerance);
+}
+
 }    // namespace
 
 std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldParameters &p,
@@ -45,6 +56,7 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldPa
                       "    cutoff {:.4g}, band limit {:.4g}, grid {} x {} x {}, window order {}\n",
                       biem::describe(p.method), p.tolerance, p.expected_error, p.cutoff,
                       p.band_limit, p.grid[0], p.grid[1], p.grid[2], p.order);
+  text += warn_of_error(p);
   if (s.n_surfaces > 0) {
     const double nodes = static_cast<double>(s.n_nodes) / s.n_surfaces;
     text +=

@@ -125,6 +125,8 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     s.suspension.traction = biem::parse_traction(arguments.word(keyword));
   } else if (keyword == "ewald") {
     s.ewald = biem::parse_ewald_method(arguments.word(keyword));
+  } else if (keyword == "tune") {
+    s.tuning = biem::parse_ewald_tuning(arguments.word(keyword));
   } else if (kRefused.count(keyword)) {
     arguments.fail("keyword '" + keyword +
                    "' is not part of this version: " + kRefused.at(keyword));
@@ -132,6 +134,7 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     arguments.fail(
         "unknown keyword '" + keyword +
         "': allowed are viscosity, accuracy, flow, cells, tracers, stepper, traction, ewald, "
+        "tune, "
         "cutoff, splitting, order, grid");
   }
 }

@@ -2,6 +2,7 @@
 #ifndef BIEM_LAMMPS_SETTINGS_H
 #define BIEM_LAMMPS_SETTINGS_H
 
+#include "biem_ewald_tuning.h"
 #include "biem_flow.h"
 #include "biem_stepper.h"
 #include "biem_suspension.h"
@@ -20,6 +21,7 @@ struct FixBiemSettings {
   double accuracy = 0.0;
   // Parameters of the periodic sum that the user fixes; 0: chosen from the accuracy.
   biem::EwaldMethod ewald = biem::EwaldMethod::Pswf;
+  biem::EwaldTuning tuning = biem::EwaldTuning::Model;
   double cutoff = 0.0, splitting = 0.0;
   int order = 0;
   std::array<int, 3> grid{};

@@ -101,10 +101,23 @@ void LammpsSolver::choose_parameters(double max_tilt)
                          is_as_given(settings_.order, parameters_.order) &&
                          (settings_.grid[0] == 0 || parameters_.grid == settings_.grid);
   suspension_ = guarded(lmp, "Fix biem", [&] {
-    if (!is_chosen) parameters_ = biem::choose_ewald_parameters(scene);
+    if (!is_chosen) parameters_ = choose(scene);
     return std::make_unique<biem::Suspension>(world, parameters_, settings_.suspension);
   });
   parameter_lengths_ = scene.cell.diagonal();
+}
+
+biem::EwaldParameters LammpsSolver::choose(const biem::EwaldScene &scene)
+{
+  if (settings_.tuning == biem::EwaldTuning::Model) return biem::choose_ewald_parameters(scene);
+  const Eigen::Map<const biem::Points> points(atom->nlocal > 0 ? atom->x[0] : nullptr, 3,
+                                              atom->nlocal);
+  const biem::EwaldTimings t = biem::search_ewald_parameters(world, scene, points);
+  if (comm->me == 0)
+    utils::logmesg(lmp, fmt::format("Fix biem: tuned on this machine: {} choices timed, {:.3g} ms "
+                                    "per periodic sum, {:.3g} ms with the cost model's choice\n",
+                                    t.n_tried, 1e3 * t.seconds, 1e3 * t.model_seconds));
+  return t.fastest;
 }
 
 void LammpsSolver::set_cutoffs()

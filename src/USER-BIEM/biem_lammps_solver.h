@@ -42,6 +42,7 @@ class LammpsSolver : protected Pointers {
   void check_lengths() const;
   void keep_volumes();
   void choose_parameters(double max_tilt);
+  biem::EwaldParameters choose(const biem::EwaldScene &scene);
   void set_cutoffs();
 
   FixBiemSettings settings_;

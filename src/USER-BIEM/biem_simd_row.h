@@ -35,20 +35,6 @@ template <int n_values> class SimdRow {
       two_[i] += factor * other.two_[i];
   }
 
-  BIEM_INLINE double dot(const SimdRow &other) const
-  {
-    double total = 0.0;
-    for (int i = 0; i < kEights; i++)
-      for (int l = 0; l < 8; l++)
-        total += eight_[i][l] * other.eight_[i][l];
-    for (int i = 0; i < kFours; i++)
-      for (int l = 0; l < 4; l++)
-        total += four_[i][l] * other.four_[i][l];
-    for (int i = 0; i < kTwos; i++)
-      total += two_[i][0] * other.two_[i][0] + two_[i][1] * other.two_[i][1];
-    return total;
-  }
-
  private:
   typedef double Eight __attribute__((vector_size(64)));
   typedef double Four __attribute__((vector_size(32)));

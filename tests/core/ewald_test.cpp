@@ -2,6 +2,7 @@
 #include "biem_error.h"
 #include "biem_ewald_split_pswf.h"
 #include "biem_ewald_sum.h"
+#include "biem_ewald_tuning.h"
 #include "biem_oracle_periodic.h"
 #include "biem_periodic_ghosts.h"
 #include <cmath>
@@ -329,6 +330,18 @@ TEST(Ewald, EveryParameterCanBeFixed)
   scene.grid = {};
   scene.splitting = 40.0;
   EXPECT_EQ(choose_ewald_parameters(scene).splitting, 40.0);
+}
+
+TEST(Ewald, SearchFindsParametersThatMeetTheTolerance)
+{
+  const Mat3 cell = make_cell(1.0, 1.1, 0.9, 0.2);
+  const Cloud cloud(cell, 500, 10);
+  const EwaldScene scene = make_scene(cell, 500, 1e-3, EwaldMethod::Pswf);
+  const EwaldTimings timings = search_ewald_parameters(MPI_COMM_SELF, scene, cloud.x);
+  EXPECT_GE(timings.n_tried, 2);
+  EXPECT_LE(timings.seconds, timings.model_seconds);
+  EXPECT_LE(relative_rms(sum_fast(cell, cloud, Layers::Single, timings.fastest),
+                         sum_exact(cell, cloud, Layers::Single)), 1e-3);
 }
 
 TEST(Ewald, AccuracyOutOfRangeIsRefused)

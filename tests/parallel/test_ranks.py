@@ -73,6 +73,12 @@ class Ranks(flow.FlowCase):
         self.assertLess(difference, 1e-3)    # the accuracy of both sums, velocities of order 1
         self.assert_same_frames(one, other, TOLERANCE)
 
+    def test_tuning_by_search_keeps_the_accuracy(self):
+        tuned = self.trajectory(2, more="tune search")
+        self.assertIn("tuned on this machine", self.output)
+        difference = np.abs(tuned[0][:, 6:9] - self.reference[0][:, 6:9]).max()
+        self.assertLess(difference, 1e-3)    # the accuracy, velocities of order 1
+
     def test_cells_with_tracers(self):
         tracers = ("lattice sc 1.2 origin 0.3 0.4 0.2\nregion r block INF INF INF INF INF INF\n"
                    "group nodes molecule > 0\ncreate_atoms 1 region r\n"

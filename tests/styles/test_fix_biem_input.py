@@ -88,6 +88,48 @@ class Accepted(InputCase):
         self.assertEqual(rows, once + once)
 
 
+class GivenParameters(InputCase):
+    """Parameters of the periodic sum that the user fixes."""
+
+    def evaluate(self, more):
+        """Output, expected error and rms velocity of two spheres that are pushed."""
+        fix = flow.make_flow(more=more)
+        output = flow.run(self.script(fix, "fix push all addforce 0.0 0.5 0.0\n",
+                                      "thermo_style custom step f_b[3] f_b[10]\n", "run 0\n"),
+                          self.folder)
+        row = cases.read_thermo(output)[-1]
+        return output, row["f_b[10]"], row["f_b[3]"]
+
+    def test_they_are_used_and_printed(self):
+        chosen, chosen_error, chosen_velocity = self.evaluate("")
+        self.assertNotIn("WARNING: Fix biem: expected error", chosen)
+        self.assertLess(chosen_error, 1e-3)
+        # band limit: PSWF splitting + 0.35/cutoff
+        for more, parts in (
+                ("cutoff 1.25", ("cutoff 1.25,",)),
+                ("order 9 ewald pswf", ("PSWF", "window order 9\n")),
+                ("ewald spme", ("SPME, Gaussian split, B-splines",)),
+                ("cutoff 1.2 splitting 10 order 8 grid 20 18 36",
+                 ("cutoff 1.2,", "band limit 10.29,", "grid 20 x 18 x 36, window order 8\n"))):
+            with self.subTest(more=more):
+                text, error, velocity = self.evaluate(more)
+                for part in parts:
+                    self.assertIn(part, text)
+                self.assertNotIn("WARNING: Fix biem: expected error", text)
+                self.assertLess(error, 1e-3)
+                self.assertLess(abs(velocity / chosen_velocity - 1.0), 1e-3)
+
+    def test_too_coarse_parameters_run_with_a_warning(self):
+        for more in ("grid 8 8 16", "cutoff 0.6 grid 10 10 20", "splitting 1 cutoff 0.8",
+                     "ewald spme splitting 1 cutoff 0.8"):
+            with self.subTest(more=more):
+                text, error, _ = self.evaluate(more)
+                self.assertGreater(error, 1e-3)
+                self.assertIn(f"requested error 0.001, expected {float(f'{error:.2g}'):g}\n", text)
+                self.assertEqual(text.count("WARNING: Fix biem: expected error"), 1)
+                self.assertRegex(text, "WARNING.*larger than accuracy 0.001.*splitting.*grid")
+
+
 class Meshes(InputCase):
     def test_open_surface(self):
         self.edit_angles(lambda t: t[:N_TRIANGLES + 7] + t[N_TRIANGLES + 8:])
@@ -183,6 +225,29 @@ class Arguments(InputCase):
         self.expect_argument_errors([
             (good.replace(old, old.rsplit(" ", 1)[0] + " " + bad), (f"'{bad}'",))
             for old in keywords for bad in ("nan", "thick")])
+
+    def test_parameters_of_the_periodic_sum(self):
+        good = "viscosity 1 accuracy 1e-3 flow none "
+        allowed = "allowed are integers from {} to {}"
+        self.expect_argument_errors([
+            (good + "order 2", ("order 2 is out of range", allowed.format(3, 16))),
+            (good + "order 99", ("order 99 is out of range", allowed.format(3, 16))),
+            (good + "order x", ("'x'",)),
+            (good + "order 6.5", ("'6.5'",)),
+            (good + "order", ("'order' ends too early",)),
+            (good + "grid 0 8 8", ("grid 0 is out of range", allowed.format(4, 4096))),
+            (good + "grid 8 8 -8", ("grid -8 is out of range", allowed.format(4, 4096))),
+            (good + "grid 8 8 1000000", ("grid 1000000 is out of range",)),
+            (good + "grid 8 8", ("'grid' ends too early",)),
+            (good + "grid 8 8 cutoff 1", ("'cutoff'",)),
+            (good + "splitting -1", ("splitting -1 must be a positive number",)),
+            (good + "splitting 0", ("splitting 0 must be a positive number",)),
+            (good + "splitting nan", ("'nan'",)),
+            (good + "splitting", ("'splitting' ends too early",)),
+            (good + "cutoff 3.1", ("cutoff 3.1 is larger than the shortest box length 3",))] + [
+                (good + given + " " + given, (f"keyword '{given.split()[0]}' is given twice",))
+                for given in ("order 6", "grid 16 16 32", "splitting 9", "cutoff 1",
+                              "ewald pswf")])
 
     def test_words(self):
         good = "viscosity 1 accuracy 1e-3 flow none "
