@@ -8,22 +8,23 @@ namespace biem {
 namespace {
 
 struct LayerCost {
-  double pair, spread;    // per pair; per window row and source
+  double pair, spread, spread_row;    // per pair; per source; per source and window row
 };
 
 LayerCost get_layer_cost(Layers layers)
 {
-  if (layers == Layers::Single) return {3.4, 5.2};
-  if (layers == Layers::Double) return {4.9, 10.5};
-  return {5.9, 10.5};
+  if (layers == Layers::Single) return {3.5, 40.0, 2.5};
+  if (layers == Layers::Double) return {4.6, 90.0, 6.5};
+  return {5.6, 90.0, 6.5};
 }
 
-constexpr double kTarget = 210.0;        // real space: per target
-constexpr double kSearchCell = 300.0;    // real space: per search cell of targets
-constexpr double kWindow = 90.0;         // windows of a point, and its part of a row
-constexpr double kInterpolateRow = 4.2;
-constexpr double kGridPoint = 22.0;         // transforms, clearing and kernel at 1e6 grid points
-constexpr double kGridPointGrowth = 0.2;    // exponent of the number of grid points
+constexpr double kTarget = 140.0;        // real space: per target
+constexpr double kSearchCell = 250.0;    // real space: per search cell of targets
+constexpr double kWindow = 35.0;         // windows of a point
+constexpr double kInterpolate = 40.0, kInterpolateRow = 2.1;
+constexpr double kGridPoint = 25.0;          // transforms, clearing and kernel, large grids
+constexpr double kCachedGridPoints = 6e5;    // smaller grids are faster,
+constexpr double kCacheGain = 0.25;          // by this power of their size
 
 // Pairs within the cutoff per target: the target's own body plus the average density of the rest.
 double expected_neighbors(const EwaldScene &s, double cutoff)
@@ -59,10 +60,11 @@ double predict_ewald_cost(const EwaldScene &s, const EwaldParameters &p)
   const LayerCost layer = get_layer_cost(s.layers);
   const double points = static_cast<double>(p.grid[0]) * p.grid[1] * p.grid[2];
   const double rows = static_cast<double>(p.order) * p.order;
+  const double cached = std::pow(std::min(1.0, points / kCachedGridPoints), kCacheGain);
   return real_space_cost(s, p.cutoff, layer.pair) + kWindow * (s.n_sources + s.n_targets) +
-         rows * (layer.spread * s.n_sources + kInterpolateRow * s.n_targets) +
-         kGridPoint * (has_double(s.layers) ? 7.0 / 6.0 : 1.0) * points *
-             std::pow(points / 1e6, kGridPointGrowth);
+         (layer.spread + layer.spread_row * rows) * s.n_sources +
+         (kInterpolate + kInterpolateRow * rows) * s.n_targets +
+         kGridPoint * cached * (has_double(s.layers) ? 7.0 / 6.0 : 1.0) * points;
 }
 
 }    // namespace biem

@@ -16,7 +16,7 @@ namespace {
 constexpr double kMostGridPoints = 2e9;         // what a large cluster can still hold
 constexpr double kTightestTolerance = 1e-10;    // double precision leaves no margin below
 // Shares of the tolerance for the independent error sources, added in quadrature.
-constexpr double kSpmeShare = 0.40;         // real space, truncation, aliasing
+constexpr double kSpmeShare = 0.36;         // real space, truncation, aliasing
 constexpr double kPswfShare = 0.45;         // truncation, aliasing
 constexpr double kDistinctCutoffs = 0.1;    // relative, of candidates to be timed
 constexpr double kFinestOversampling = 3.0, kOversamplingStep = 0.05;

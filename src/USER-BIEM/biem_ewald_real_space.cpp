@@ -1,6 +1,7 @@
 // Real-space sum: candidates are gathered once per search cell of targets, picked per target by a
 // test in single precision, and summed by a branch-free polynomial kernel in packs of doubles.
 #include "biem_ewald_real_space.h"
+#include "biem_prefetch.h"
 #include "biem_simd_gather.h"
 #include "biem_simd_math.h"
 #include <algorithm>
@@ -102,6 +103,8 @@ void RealSpaceSum::fill_records(Layers layers, PointsView forces, PointsView den
   for (int s = 0; s < n_sources_; s++) {
     double *record = &records_[static_cast<size_t>(size) * s];
     const int source = source_order_[s];
+    if (has_single(layers)) fetch_ahead(forces.data(), source_order_, s);
+    if (has_double(layers)) fetch_ahead(densities.data(), source_order_, s);
     for (int a = 0; a < 3; a++) {
       record[kX + a] = sorted_[a][s];
       if (has_single(layers)) record[kForce + a] = forces(a, source);
@@ -235,6 +238,7 @@ template <Layers layers> void RealSpaceSum::add_all(PointsRef velocities)
     const Vec3 center = get_center(cell);
     for (int t = target_start_[cell]; t < target_start_[cell + 1]; t++) {
       const Vec3 target = targets_.col(t);
+      fetch_ahead(velocities.data(), target_order_, t);
       const int n = find_close(n_gathered, target - center);
       velocities.col(target_order_[t]) += sum_close<layers>(n, target);
       n_pairs_ += n;

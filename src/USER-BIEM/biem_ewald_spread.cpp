@@ -2,6 +2,7 @@
 // window that wraps around there is done in two runs with the weights beyond the edge set to zero,
 // so that one loop without branches serves all.
 #include "biem_ewald_spread.h"
+#include "biem_prefetch.h"
 #include "biem_simd_row.h"
 #include <algorithm>
 #include <utility>
@@ -41,7 +42,8 @@ void PointWindows::set_points(const EwaldWindow &window, const std::array<int, 3
   first_.resize(3 * n);
   weights_.resize(3 * static_cast<size_t>(padded_) * n);
   slopes_.resize(content == WindowContent::ValuesAndSlopes ? weights_.size() : 0);
-  for (int i = 0; i < n; i++)
+  for (int i = 0; i < n; i++) {
+    fetch_ahead(fractional.data(), order_, i);
     for (int a = 0; a < 3; a++) {
       const double s = fractional(a, order_[i]) * grid[a];
       const size_t offset = (3 * static_cast<size_t>(i) + a) * padded_;
@@ -50,6 +52,7 @@ void PointWindows::set_points(const EwaldWindow &window, const std::array<int, 3
                                                                             &slopes_[offset]);
       first_[3 * i + a] = first < 0 ? first + grid[a] : first;
     }
+  }
 }
 
 // The loops for one order of the window, so that the compiler unrolls them.
@@ -114,6 +117,7 @@ template <int order> struct PointWindows::Loops {
   static void spread_forces(const PointWindows &w, const GridSlab &slab, PointsView forces)
   {
     for (int i = 0; i < w.size(); i++) {
+      fetch_ahead(forces.data(), w.order_, i);
       const Entry entry(w, slab, i);
       const Vec3 f = forces.col(w.order_[i]);
       entry.split_row(nullptr, [&](std::ptrdiff_t start, const double *part, const double *) {
@@ -164,6 +168,7 @@ template <int order> struct PointWindows::Loops {
     const PointsView &forces = source[0], &densities = source[1], &normals = source[2];
     const Mat3 to_grid_transposed = to_grid.transpose();
     for (int i = 0; i < w.size(); i++) {
+      fetch_ahead(densities.data(), w.order_, i);
       const int point = w.order_[i];
       const Vec3 q = densities.col(point), n = normals.col(point);
       const Vec3 f = forces.cols() > 0 ? Vec3(forces.col(point)) : Vec3(Vec3::Zero());
@@ -176,6 +181,7 @@ template <int order> struct PointWindows::Loops {
   static void interpolate(const PointWindows &w, const GridSlab &slab, PointsRef values)
   {
     for (int i = 0; i < w.size(); i++) {
+      fetch_ahead(values.data(), w.order_, i);
       const Entry entry(w, slab, i);
       Vec3 u = Vec3::Zero();
       entry.split_row(nullptr, [&](std::ptrdiff_t start, const double *part, const double *) {

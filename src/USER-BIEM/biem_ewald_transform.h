@@ -32,7 +32,8 @@ class SlabTransform {
   SlabTransform &operator=(const SlabTransform &) = delete;
 
   // Planes: with n interleaved fields, field f at (plane, row, z) is
-  // [plane * plane_size(n) + (row * M_2 + z) * n + f]. margin doubles may be read and written before and after.
+  // [plane * plane_size(n) + (row * M_2 + z) * n + f]. kMargin doubles before and after may be
+  // read and written.
   static constexpr int kMargin = 80;
   double *values(int n_fields);    // allocates
   std::ptrdiff_t plane_size(int n_fields) const;

@@ -264,6 +264,8 @@ class Arguments(InputCase):
             ("viscosity 1 accuracy 1e-3 flow pipe", ("unknown flow 'pipe'",)),
             (good + "stepper rkc2", ("unknown stepper 'rkc2'", "ab2", "euler")),
             (good + "ewald direct", ("unknown ewald method 'direct'", "spme", "pswf")),
+            (good + "tune guess", ("unknown tuning 'guess'", "model", "search")),
+            (good + "tune", ("'tune' ends too early",)),
             (good + "traction smooth", ("unknown traction 'smooth'", "lumped", "consistent"))])
 
     def test_keywords_of_other_methods(self):
