@@ -3,18 +3,16 @@
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(Eigen3 3.3 REQUIRED NO_MODULE)
 
-find_path(BIEM_FFTW_INCLUDE_DIR fftw3-mpi.h)
+find_path(BIEM_FFTW_INCLUDE_DIR fftw3.h)
 find_library(BIEM_FFTW_LIBRARY fftw3)
-find_library(BIEM_FFTW_MPI_LIBRARY fftw3_mpi)
-if(NOT BIEM_FFTW_INCLUDE_DIR OR NOT BIEM_FFTW_LIBRARY OR NOT BIEM_FFTW_MPI_LIBRARY)
-  message(FATAL_ERROR "FFTW with its MPI library was not found (fftw3-mpi.h: "
-    "${BIEM_FFTW_INCLUDE_DIR}, fftw3: ${BIEM_FFTW_LIBRARY}, fftw3_mpi: ${BIEM_FFTW_MPI_LIBRARY}). "
-    "On Debian and Ubuntu: apt install libfftw3-dev libfftw3-mpi-dev. "
+if(NOT BIEM_FFTW_INCLUDE_DIR OR NOT BIEM_FFTW_LIBRARY)
+  message(FATAL_ERROR "FFTW was not found (fftw3.h: ${BIEM_FFTW_INCLUDE_DIR}, fftw3: "
+    "${BIEM_FFTW_LIBRARY}). On Debian and Ubuntu: apt install libfftw3-dev. "
     "Elsewhere set CMAKE_PREFIX_PATH to the folder where FFTW is installed.")
 endif()
 add_library(biem_fftw INTERFACE)
 target_include_directories(biem_fftw SYSTEM INTERFACE ${BIEM_FFTW_INCLUDE_DIR})
-target_link_libraries(biem_fftw INTERFACE ${BIEM_FFTW_MPI_LIBRARY} ${BIEM_FFTW_LIBRARY})
+target_link_libraries(biem_fftw INTERFACE ${BIEM_FFTW_LIBRARY})
 
 # Everything that meets an Eigen type must see the same instruction set (Eigen's alignment depends
 # on it), so the flag is shared and not private.  NaN and infinity keep their meaning: the package

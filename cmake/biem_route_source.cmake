@@ -28,7 +28,7 @@ target_include_directories(lammps PRIVATE ${BIEM_SOURCE_DIR})
 # By its file, not as a target: LAMMPS keeps its own compiler flags.
 add_dependencies(lammps biem_core)
 target_link_libraries(lammps PRIVATE
-  $<TARGET_FILE:biem_core> ${BIEM_FFTW_MPI_LIBRARY} ${BIEM_FFTW_LIBRARY})
+  $<TARGET_FILE:biem_core> ${BIEM_FFTW_LIBRARY})
 set_target_properties(lmp PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 add_custom_target(lmp_biem)    # the same name of the target in every route
 add_dependencies(lmp_biem lmp)

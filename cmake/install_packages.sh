@@ -7,7 +7,7 @@ set -eu
 packages_of() {
   case $1 in
     build) echo g++ make cmake xz-utils lammps liblammps-dev openmpi-bin libopenmpi-dev \
-                libeigen3-dev libfftw3-dev libfftw3-mpi-dev ;;
+                libeigen3-dev libfftw3-dev ;;
     demo) echo python3-mdanalysis python3-matplotlib ;;
     test) echo libgtest-dev python3-mdanalysis python3-matplotlib ;;
     *) echo "install_packages.sh: unknown group '$1'; known: build demo test" >&2; return 1 ;;
@@ -20,7 +20,7 @@ is_installed() {
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   echo "This machine has no apt: nothing is installed.  Needed are a C++17 compiler, CMake, Open MPI," \
-       "FFTW with its MPI library, Eigen, LAMMPS as a library, GoogleTest, MDAnalysis, matplotlib." >&2
+       "FFTW, Eigen, LAMMPS as a library, GoogleTest, MDAnalysis, matplotlib." >&2
   exit 0
 fi
 

@@ -21,6 +21,11 @@ constexpr double kPswfShare = 0.45;         // truncation, aliasing
 constexpr double kDistinctCutoffs = 0.1;    // relative, of candidates to be timed
 constexpr double kFinestOversampling = 3.0, kOversamplingStep = 0.05;
 
+bool is_given(const EwaldScene &s)
+{
+  return s.splitting > 0.0 || s.grid[0] > 0;
+}
+
 double volume(const EwaldScene &s)
 {
   return std::fabs(s.cell.determinant());
@@ -134,7 +139,7 @@ class Candidates {
       };
       const double coarsest = M_PI / p.band_limit;
       const double inverse = find_root(aliasing, share, 1.0 / coarsest, 20.0 / coarsest);
-      if (aliasing(inverse) > 1.01 * share && !is_given()) continue;
+      if (aliasing(inverse) > 1.01 * share && !is_given(scene_)) continue;
       set_grid(scene_, 1.0 / inverse, p);
       keep(p);
     }
@@ -148,7 +153,7 @@ class Candidates {
     };
     const double bandwidth = scene_.splitting > 0.0 ? scene_.splitting * p.cutoff
                                                     : find_root(truncation, share, 3.0, 37.0);
-    if (truncation(bandwidth) > 1.05 * share && !is_given()) return;
+    if (truncation(bandwidth) > 1.05 * share && !is_given(scene_)) return;
     p.splitting = bandwidth / p.cutoff;
     p.band_limit = (bandwidth + kBandMargin) / p.cutoff;
     const BandSpectrum spectrum(PswfSplit(bandwidth, p.cutoff), p.band_limit);
@@ -161,7 +166,7 @@ class Candidates {
         auto aliasing = [&](auto &m) {
           return m.aliasing(spectrum, tables[i], spacing);
         };
-        const bool is_last = is_given() && i + 1 == tables.size();
+        const bool is_last = is_given(scene_) && i + 1 == tables.size();
         if (errors_.largest(aliasing) > share && !is_last) continue;
         set_grid(scene_, spacing, p);
         keep(p);
@@ -169,8 +174,6 @@ class Candidates {
       }
     }
   }
-
-  bool is_given() const { return scene_.splitting > 0.0 || scene_.grid[0] > 0; }
 
   std::vector<int> get_orders(const std::vector<int> &all) const
   {
@@ -189,8 +192,17 @@ class Candidates {
     std::ostringstream message;
     message << "accuracy " << scene_.tolerance << " cannot be met with a cutoff between " << low
             << " and " << high << " in this cell (volume " << volume(scene_) << ", "
-            << scene_.n_sources << " sources): the grid would need more than " << kMostGridPoints
-            << " points; allow a larger cutoff or a larger accuracy";
+            << scene_.n_sources << " sources)";
+    if (scene_.grid[0] > 0)
+      message << " and the given grid of " << scene_.grid[0] << " x " << scene_.grid[1] << " x "
+              << scene_.grid[2] << " points: it must have at least as many points along each axis "
+              << "as the window order (at least 4); give a finer grid or leave it out";
+    else if (scene_.order > 0)
+      message << " and the given window order " << scene_.order
+              << ": give a higher order or leave it out";
+    else
+      message << ": the grid would need more than " << kMostGridPoints
+              << " points; allow a larger cutoff or a larger accuracy";
     throw Error(message.str());
   }
 
@@ -270,10 +282,26 @@ double compute_expected_error(const EwaldScene &s, const EwaldParameters &p)
   return s.error_factor * largest;
 }
 
+// With a split or grid fixed by the user, candidates need not meet the tolerance: those that do, or
+// else the most accurate one, remain.
+void prefer_accurate(const EwaldScene &s, std::vector<std::pair<double, EwaldParameters>> &found)
+{
+  std::vector<double> errors;
+  for (const auto &candidate : found)
+    errors.push_back(compute_expected_error(s, candidate.second));
+  const double best = *std::min_element(errors.begin(), errors.end());
+  const double allowed = std::max(s.tolerance, best);
+  size_t kept = 0;
+  for (size_t i = 0; i < found.size(); i++)
+    if (errors[i] <= allowed) found[kept++] = found[i];
+  found.resize(kept);
+}
+
 std::vector<EwaldParameters> rank_ewald_parameters(const EwaldScene &s, int n)
 {
   check_scene(s);
   std::vector<std::pair<double, EwaldParameters>> found = Candidates(s).list();
+  if (is_given(s)) prefer_accurate(s, found);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto &a, const auto &b) { return a.first < b.first; });
   std::vector<EwaldParameters> result;

@@ -30,16 +30,23 @@ void SlabRouter::set_points(MPI_Comm comm, const std::vector<int> &owner, Points
     return;
   }
   const int n_planes = static_cast<int>(owner.size());
-  std::vector<std::vector<int>> destinations(n_ranks);
+  destinations_.resize(n_ranks);
+  for (std::vector<int> &d : destinations_)
+    d.clear();
   for (int i = 0; i < fractional.cols(); i++) {
     const int first = static_cast<int>(std::floor(fractional(0, i) * n_planes - 0.5 * order)) + 1;
+    const int low = (first + n_planes) % n_planes, high = (first + order - 1) % n_planes;
+    if (owner[low] == owner[high] && low <= high) {
+      destinations_[owner[low]].push_back(i);
+      continue;
+    }
     std::array<int, kMaxWindowOrder> seen{};
     int n_seen = 0;
     for (int j = 0; j < order; j++) {
       const int rank = owner[((first + j) % n_planes + n_planes) % n_planes];
       if (std::find(seen.begin(), seen.begin() + n_seen, rank) != seen.begin() + n_seen) continue;
       seen[n_seen++] = rank;
-      destinations[rank].push_back(i);
+      destinations_[rank].push_back(i);
     }
   }
   send_index_.clear();
@@ -49,8 +56,8 @@ void SlabRouter::set_points(MPI_Comm comm, const std::vector<int> &owner, Points
   receive_offsets_.assign(n_ranks, 0);
   for (int r = 0; r < n_ranks; r++) {
     send_offsets_[r] = 3 * static_cast<int>(send_index_.size());
-    send_counts_[r] = 3 * static_cast<int>(destinations[r].size());
-    send_index_.insert(send_index_.end(), destinations[r].begin(), destinations[r].end());
+    send_counts_[r] = 3 * static_cast<int>(destinations_[r].size());
+    send_index_.insert(send_index_.end(), destinations_[r].begin(), destinations_[r].end());
   }
   MPI_Alltoall(send_counts_.data(), 1, MPI_INT, receive_counts_.data(), 1, MPI_INT, comm);
   int total = 0;
@@ -62,25 +69,25 @@ void SlabRouter::set_points(MPI_Comm comm, const std::vector<int> &owner, Points
   send(fractional, routed_);
 }
 
-PointsView SlabRouter::send(PointsView values, Points &buffer) const
+PointsView SlabRouter::send(PointsView values, Points &buffer)
 {
   if (n_ranks_ == 1) return values;
-  Points out(3, send_index_.size());
+  out_.resize(3, send_index_.size());
   for (size_t i = 0; i < send_index_.size(); i++)
-    out.col(i) = values.col(send_index_[i]);
+    out_.col(i) = values.col(send_index_[i]);
   buffer.resize(3, routed_.cols());
-  MPI_Alltoallv(out.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, buffer.data(),
+  MPI_Alltoallv(out_.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, buffer.data(),
                 receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE, comm_);
   return buffer;
 }
 
-void SlabRouter::return_add(const Points &routed, PointsRef values) const
+void SlabRouter::return_add(const Points &routed, PointsRef values)
 {
-  Points buffer(3, send_index_.size());
+  out_.resize(3, send_index_.size());
   MPI_Alltoallv(routed.data(), receive_counts_.data(), receive_offsets_.data(), MPI_DOUBLE,
-                buffer.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, comm_);
+                out_.data(), send_counts_.data(), send_offsets_.data(), MPI_DOUBLE, comm_);
   for (size_t i = 0; i < send_index_.size(); i++)
-    values.col(send_index_[i]) += buffer.col(i);
+    values.col(send_index_[i]) += out_.col(i);
 }
 
 }    // namespace biem

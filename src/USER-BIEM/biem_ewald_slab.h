@@ -21,16 +21,17 @@ class SlabRouter {
   // Points that touch this rank's planes, 3 x n_routed.
   const Points &points() const { return routed_; }
   // values: 3 x n of the owners -> 3 x n_routed, in buffer; on one rank values itself. Collective.
-  PointsView send(PointsView values, Points &buffer) const;
+  PointsView send(PointsView values, Points &buffer);
   // Adds 3 x n_routed partial results to the owners' 3 x n. On several ranks only; collective.
-  void return_add(const Points &routed, PointsRef values) const;
+  void return_add(const Points &routed, PointsRef values);
 
  private:
   MPI_Comm comm_ = MPI_COMM_NULL;
   int n_ranks_ = 1;
   std::vector<int> send_index_;    // point of each sent copy, grouped by rank
   std::vector<int> send_counts_, send_offsets_, receive_counts_, receive_offsets_;    // in doubles
-  Points routed_;
+  std::vector<std::vector<int>> destinations_;    // per rank; kept to keep its memory
+  Points routed_, out_;
 };
 
 }    // namespace biem

@@ -27,6 +27,8 @@ namespace {
 // Columns of the per-atom array; the first kPublished are visible to the input script.
 enum { kVelocity = 0, kTraction = 3, kArea = 6, kPublished = 7, kPrevious = 7, kPreviousDt = 10 };
 constexpr int kColumns = 11;
+// First number of the fix's part of a restart file; changes with what follows it.
+constexpr double kRestartFormat = 20261121.0;
 
 // Relative volume errors of a stable run are below 1e-5.
 constexpr double kVolumeWarning = 1e-4, kVolumeLimit = 1e-2;
@@ -161,11 +163,11 @@ void FixBiem::initial_integrate(int)
     const biem::Vec3 relative =
         biem::compute_displacement(impl->settings.stepper, velocity, previous, dt, a[kPreviousDt]);
     if (relative.norm() > impl->solver.longest_edge() && impl->groups.is_cell(atom->mask[i]))
-      error->one(FLERR, fmt::format("Fix biem: step {}: atom {} of molecule {} would move by "
-                                    "{:.3g} relative to the flow, more than the longest edge: the "
-                                    "timestep is far too large",
-                                    update->ntimestep, atom->tag[i], atom->molecule[i],
-                                    relative.norm()));
+      error->one(FLERR,
+                 fmt::format("Fix biem: step {}: atom {} of molecule {} would move by "
+                             "{:.3g} relative to the flow, more than the longest edge: the "
+                             "timestep is far too large",
+                             update->ntimestep, atom->tag[i], atom->molecule[i], relative.norm()));
     position += impl->settings.background.displacement(position, relative, dt);
     previous = velocity;
     a[kPreviousDt] = dt;
@@ -296,9 +298,9 @@ int FixBiem::unpack_exchange(int i, double *buffer)
 void FixBiem::write_restart(FILE *file)
 {
   if (comm->me != 0) return;
-  std::vector<double> list = impl->box.get_state();
-  const std::vector<double> solver = impl->solver.get_state();
-  list.insert(list.end(), solver.begin(), solver.end());
+  std::vector<double> list = {kRestartFormat};
+  for (const std::vector<double> &part : {impl->box.get_state(), impl->solver.get_state()})
+    list.insert(list.end(), part.begin(), part.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, file);
   fwrite(list.data(), sizeof(double), list.size(), file);
@@ -307,6 +309,9 @@ void FixBiem::write_restart(FILE *file)
 void FixBiem::restart(char *buffer)
 {
   const double *state = reinterpret_cast<const double *>(buffer);
+  if (*state++ != kRestartFormat)
+    error->all(FLERR, "Fix biem: the restart file was written by another version of this package; "
+                      "continue it with that version, or write a data file and start from it");
   impl->box.set_state(state);
   impl->solver.set_state(state + ShearedBox::kStateSize);
 }

@@ -120,7 +120,7 @@ class GivenParameters(InputCase):
                 self.assertLess(abs(velocity / chosen_velocity - 1.0), 1e-3)
 
     def test_too_coarse_parameters_run_with_a_warning(self):
-        for more in ("grid 8 8 16", "cutoff 0.6 grid 10 10 20", "splitting 1 cutoff 0.8",
+        for more in ("grid 5 5 6", "cutoff 0.6 grid 10 10 20", "splitting 1 cutoff 0.8",
                      "ewald spme splitting 1 cutoff 0.8"):
             with self.subTest(more=more):
                 text, error, _ = self.evaluate(more)
@@ -128,6 +128,12 @@ class GivenParameters(InputCase):
                 self.assertIn(f"requested error 0.001, expected {float(f'{error:.2g}'):g}\n", text)
                 self.assertEqual(text.count("WARNING: Fix biem: expected error"), 1)
                 self.assertRegex(text, "WARNING.*larger than accuracy 0.001.*splitting.*grid")
+
+
+    def test_a_grid_alone_gets_the_cutoff_that_fits_it(self):
+        text, error, _ = self.evaluate("grid 8 8 16")
+        self.assertNotIn("WARNING: Fix biem: expected error", text)
+        self.assertLess(error, 1e-3)
 
 
 class Meshes(InputCase):
