@@ -163,7 +163,8 @@ std::vector<SumCase> make_cases()
            {SumCase{1, 1, 1, 0.0, method, layers}, SumCase{1.6, 0.9, 1.2, 0.0, method, layers},
             SumCase{1, 1, 1, 0.5, method, layers}, SumCase{1, 1, 1, -0.5, method, layers},
             SumCase{1.6, 0.9, 1.2, 0.23, method, layers},
-            SumCase{16, 9, 12, -0.41, method, layers}, SumCase{1, 1, 4, 0.3, method, layers}})
+            SumCase{16, 9, 12, -0.41, method, layers}, SumCase{1, 1, 4, 0.3, method, layers},
+            SumCase{1, 1, 0.15, 0.2, method, layers}})    // thinner than the cutoff
         cases.push_back(c);
   return cases;
 }
