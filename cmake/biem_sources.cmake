@@ -31,9 +31,10 @@ set(BIEM_CORE_SOURCES
   biem_mesh_topology.cpp
   biem_near_correction.cpp
   biem_near_triangle.cpp
-  biem_operator_single_layer.cpp
+  biem_operator_layers.cpp
   biem_oracle_periodic.cpp
   biem_periodic_ghosts.cpp
+  biem_solver_gmres.cpp
   biem_stepper.cpp
   biem_suspension.cpp
 )

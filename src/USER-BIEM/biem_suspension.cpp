@@ -16,7 +16,7 @@ Traction parse_traction(const std::string &name)
 Suspension::Suspension(MPI_Comm comm, const EwaldParameters &parameters,
                        const SuspensionSettings &settings) :
     settings_(settings),
-    single_layer_(comm, parameters), elements_(std::make_unique<FlatElements>())
+    layers_(comm, parameters), elements_(std::make_unique<FlatElements>())
 {
 }
 
@@ -61,9 +61,11 @@ Evaluation Suspension::evaluate(const Configuration &c, PointsView forces, CellV
   result.areas = areas.head(c.n_owned);
   const Points density = compute_traction(c, forces, result.areas, exchange);
   result.traction = density.leftCols(c.n_owned);
-  const SurfaceShare share{c.nodes, c.n_owned, *elements_, c.candidates, result.areas};
-  result.velocity =
-      single_layer_.apply(share, density, exchange) / (8.0 * M_PI * settings_.viscosity);
+  layers_.set_geometry(
+      {c.nodes, c.n_owned, *elements_, c.candidates, result.areas, c.triangles, c.triangle_shift},
+      Layers::Single, exchange);
+  result.velocity = layers_.apply(Layers::Single, density, Points(3, 0), exchange) /
+                    (8.0 * M_PI * settings_.viscosity);
   if (!volumes.reference.empty())
     project_volume(c.cell_of_node, gradient.leftCols(c.n_owned), volumes, exchange,
                    result.velocity);

@@ -5,7 +5,7 @@
 #ifndef BIEM_SUSPENSION_H
 #define BIEM_SUSPENSION_H
 
-#include "biem_operator_single_layer.h"
+#include "biem_operator_layers.h"
 
 namespace biem {
 
@@ -49,20 +49,20 @@ class Suspension {
  public:
   Suspension(MPI_Comm comm, const EwaldParameters &parameters, const SuspensionSettings &settings);
 
-  void set_cell(const Mat3 &cell, const Vec3 &origin) { single_layer_.set_cell(cell, origin); }
+  void set_cell(const Mat3 &cell, const Vec3 &origin) { layers_.set_cell(cell, origin); }
   // forces: 3 x n_owned, on the fluid. Collective. Throws Error on collapsed elements.
   Evaluation evaluate(const Configuration &configuration, PointsView forces, CellVolumes &volumes,
                       NodeExchange &exchange);
 
-  OperatorProfile profile() const { return single_layer_.profile(); }
-  const EwaldParameters &parameters() const { return single_layer_.parameters(); }
+  OperatorProfile profile() const { return layers_.profile(); }
+  const EwaldParameters &parameters() const { return layers_.parameters(); }
 
  private:
   Points compute_traction(const Configuration &c, PointsView forces, const Eigen::VectorXd &areas,
                           NodeExchange &exchange) const;
 
   SuspensionSettings settings_;
-  SingleLayerOperator single_layer_;
+  LayerOperator layers_;
   std::unique_ptr<SurfaceElements> elements_;
 };
 

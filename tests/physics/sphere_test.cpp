@@ -2,7 +2,7 @@
 // the single layer of whole surfaces against exact and tabulated values.
 #include "biem_element_flat.h"
 #include "biem_mesh_icosphere.h"
-#include "biem_operator_single_layer.h"
+#include "biem_operator_layers.h"
 #include "biem_periodic_ghosts.h"
 #include "biem_suspension.h"
 #include <cmath>
@@ -53,12 +53,14 @@ Layer compute_layer(const SurfaceMesh &mesh, const Points &density, double lengt
   Points all = Points::Zero(3, ghosts.nodes().cols());
   all.leftCols(n) = density;
   ghosts.forward(all.data(), 3);
-  SingleLayerOperator single_layer(MPI_COMM_SELF, p);
-  single_layer.set_cell(cell, Vec3::Zero());
+  LayerOperator layers(MPI_COMM_SELF, p);
+  layers.set_cell(cell, Vec3::Zero());
   const Eigen::VectorXd owned_areas = areas.head(owned.cols());
-  const SurfaceShare share{ghosts.nodes(), static_cast<int>(owned.cols()), elements, candidates,
-                           owned_areas};
-  return {single_layer.apply(share, all, ghosts), owned_areas};
+  const Points shift = Points::Zero(3, elements.n_elements());
+  layers.set_geometry({ghosts.nodes(), static_cast<int>(owned.cols()), elements, candidates,
+                       owned_areas, mesh.triangles, shift},
+                      Layers::Single, ghosts);
+  return {layers.apply(Layers::Single, all, Points(3, 0), ghosts), owned_areas};
 }
 
 Points make_uniform(Eigen::Index n, const Vec3 &value) { return value.replicate(1, n); }
