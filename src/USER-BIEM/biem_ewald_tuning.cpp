@@ -6,13 +6,18 @@
 #include "biem_periodic_ghosts.h"
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace biem {
 
 namespace {
 
 constexpr int kCandidates = 6;
-constexpr int kRepeats = 2;    // the first one fetches the memory
+constexpr int kRepeats = 2;            // the first one fetches the memory
+constexpr double kReference = 0.03;    // tolerance of the reference for a measured error
+constexpr double kTightest = 1e-10;
+constexpr double kErrorMargin = 1.3;    // strengths of other kinds, deforming surfaces
+constexpr double kLeastFactor = 0.2;    // a single measurement does not relax more than this
 
 // The points, then copies a little aside, until there are as many sources as the scene has.
 Points make_sources(const EwaldScene &scene, PointsView points)
@@ -27,25 +32,64 @@ Points make_sources(const EwaldScene &scene, PointsView points)
   return sources;
 }
 
-double time_sum(MPI_Comm comm, const EwaldScene &scene, const EwaldParameters &p, PointsView points)
-{
-  const Points none(3, 0), sources = make_sources(scene, points);
-  const Points ones = Points::Ones(3, sources.cols());
-  PeriodicGhosts ghosts(comm, points, scene.cell, 1.1 * p.cutoff);
-  PeriodicSum sum(comm, p);
-  sum.set_cell(scene.cell, Vec3::Zero());
-  double seconds = 0.0;
-  for (int i = 0; i < kRepeats; i++) {
-    CpuClock clock;
-    Points velocities = Points::Zero(3, ghosts.nodes().cols());
-    sum.set_points(
-        {ghosts.nodes(), ghosts.n_owned(), sources, has_double(scene.layers) ? ones : none, none});
-    sum.add_layers(scene.layers, ones, ones, ghosts, velocities);
-    seconds = clock.restart();
+// The sum of one scene: sources around this rank's points with random strengths.
+class Trial {
+ public:
+  Trial(MPI_Comm comm, const EwaldScene &scene, PointsView points) :
+      comm_(comm), scene_(scene), points_(points), sources_(make_sources(scene, points)),
+      normals_(has_double(scene.layers) ? draw(2) : Points(3, 0)), forces_(draw(0)),
+      densities_(draw(1))
+  {
   }
-  MPI_Allreduce(MPI_IN_PLACE, &seconds, 1, MPI_DOUBLE, MPI_MAX, comm);
-  return seconds;
-}
+
+  // Velocities of this rank's points; seconds: of the slowest rank, without planning.
+  Points evaluate(const EwaldParameters &p, double &seconds) const
+  {
+    PeriodicGhosts ghosts(comm_, points_, scene_.cell, 1.1 * p.cutoff);
+    PeriodicSum sum(comm_, p);
+    sum.set_cell(scene_.cell, Vec3::Zero());
+    Points velocities;
+    for (int i = 0; i < kRepeats; i++) {
+      CpuClock clock;
+      velocities = Points::Zero(3, ghosts.nodes().cols());
+      sum.set_points({ghosts.nodes(), ghosts.n_owned(), sources_, normals_, Points(3, 0)});
+      sum.add_layers(scene_.layers, forces_, densities_, ghosts, velocities);
+      seconds = clock.restart();
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &seconds, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    return velocities.leftCols(ghosts.n_owned());
+  }
+
+  // Relative rms error of p against parameters for a tolerance that is kReference times smaller.
+  double measure_error(const EwaldParameters &p) const
+  {
+    EwaldScene tight = scene_;
+    tight.tolerance = std::max(kTightest, kReference * scene_.tolerance);
+    double seconds;
+    const Points exact = evaluate(choose_ewald_parameters(tight), seconds);
+    double squares[2] = {(evaluate(p, seconds) - exact).squaredNorm(), exact.squaredNorm()};
+    MPI_Allreduce(MPI_IN_PLACE, squares, 2, MPI_DOUBLE, MPI_SUM, comm_);
+    return std::sqrt(squares[0] / squares[1]);
+  }
+
+ private:
+  Points draw(int stream) const
+  {
+    int rank;
+    MPI_Comm_rank(comm_, &rank);
+    std::mt19937_64 generator(1 + stream + 3 * rank);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    Points strengths(3, sources_.cols());
+    for (Eigen::Index i = 0; i < strengths.size(); i++)
+      strengths.data()[i] = uniform(generator);
+    return strengths;
+  }
+
+  MPI_Comm comm_;
+  const EwaldScene &scene_;
+  PointsView points_;
+  Points sources_, normals_, forces_, densities_;
+};
 
 }    // namespace
 
@@ -58,10 +102,16 @@ EwaldTuning parse_ewald_tuning(const std::string &name)
 
 EwaldTimings search_ewald_parameters(MPI_Comm comm, const EwaldScene &scene, PointsView points)
 {
+  const Trial trial(comm, scene, points);
   EwaldTimings result;
-  for (const EwaldParameters &p : rank_ewald_parameters(scene, kCandidates)) {
-    const double seconds = time_sum(comm, scene, p, points);
-    if (result.n_tried == 0) result.model_seconds = seconds;
+  const EwaldParameters first = choose_ewald_parameters(scene);
+  trial.evaluate(first, result.model_seconds);
+  EwaldScene calibrated = scene;
+  result.error_factor = trial.measure_error(first) / first.expected_error;
+  calibrated.error_factor = std::clamp(kErrorMargin * result.error_factor, kLeastFactor, 2.0);
+  for (const EwaldParameters &p : rank_ewald_parameters(calibrated, kCandidates)) {
+    double seconds;
+    trial.evaluate(p, seconds);
     if (result.n_tried++ == 0 || seconds < result.seconds) {
       result.seconds = seconds;
       result.fastest = p;

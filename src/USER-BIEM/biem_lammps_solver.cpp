@@ -115,8 +115,10 @@ biem::EwaldParameters LammpsSolver::choose(const biem::EwaldScene &scene)
   const biem::EwaldTimings t = biem::search_ewald_parameters(world, scene, points);
   if (comm->me == 0)
     utils::logmesg(lmp, fmt::format("Fix biem: tuned on this machine: {} choices timed, {:.3g} ms "
-                                    "per periodic sum, {:.3g} ms with the cost model's choice\n",
-                                    t.n_tried, 1e3 * t.seconds, 1e3 * t.model_seconds));
+                                    "per periodic sum, {:.3g} ms with the cost model's choice; "
+                                    "error of these points {:.2g} times the predicted one\n",
+                                    t.n_tried, 1e3 * t.seconds, 1e3 * t.model_seconds,
+                                    t.error_factor));
   return t.fastest;
 }
 
