@@ -1,5 +1,5 @@
-// A short search on the machine at hand: measures the error on a scene's own points, times the best
-// choices of the cost model and takes the fastest. Knows no surfaces. doc/theory, label ewald-errors.
+// A short search on the machine at hand: measures the error on a scene's own points, times the
+// best choices of the cost model and takes the fastest. Knows no surfaces. doc/theory, label ewald-errors.
 #ifndef BIEM_EWALD_TUNING_H
 #define BIEM_EWALD_TUNING_H
 
@@ -21,9 +21,9 @@ struct EwaldTimings {
   int n_tried = 0;
 };
 
-// points: 3 x n of this rank, targets and (repeated up to the scene's ratio) sources. First the error
-// of the model's choice is measured with random strengths and the choices are relaxed or tightened
-// accordingly. Takes about twenty evaluations. Collective; the same answer on every rank.
+// points: 3 x n of this rank, targets and (repeated up to the scene's ratio) sources. First the
+// error of the model's choice is measured with random strengths, and the choices are relaxed or
+// tightened accordingly. Takes about twenty evaluations. Collective; the same answer on every rank.
 EwaldTimings search_ewald_parameters(MPI_Comm comm, const EwaldScene &scene, PointsView points);
 
 }    // namespace biem
