@@ -1,5 +1,6 @@
 // A short search on the machine at hand: measures the error on a scene's own points, times the
-// best choices of the cost model and takes the fastest. Knows no surfaces. doc/theory, label ewald-errors.
+// best choices of the cost model and takes the fastest. Knows no surfaces. doc/theory, label
+// ewald-errors.
 #ifndef BIEM_EWALD_TUNING_H
 #define BIEM_EWALD_TUNING_H
 
