@@ -2,27 +2,13 @@
 // than planes of the grid.
 #include "biem_ewald_sum.h"
 #include "biem_periodic_ghosts.h"
+#include "core/random_points.h"
 #include <cmath>
 #include <gtest/gtest.h>
-#include <random>
 
 using namespace biem;
 
 namespace {
-
-int get_rank()
-{
-  int rank;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  return rank;
-}
-
-int count_ranks()
-{
-  int n;
-  MPI_Comm_size(MPI_COMM_WORLD, &n);
-  return n;
-}
 
 struct Cloud {
   Points x, forces, densities, normals;
@@ -45,10 +31,9 @@ struct Cloud {
 Cloud make_cloud(const Mat3 &cell, int n)
 {
   std::mt19937_64 generator(11);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   Cloud cloud(n);
   for (Points *p : {&cloud.x, &cloud.forces, &cloud.densities, &cloud.normals})
-    for (Eigen::Index i = 0; i < p->size(); i++) p->data()[i] = uniform(generator);
+    *p = make_random(n, generator, -1.0, 1.0);
   cloud.x = cell * cloud.x;
   return cloud;
 }
@@ -68,10 +53,9 @@ Points sum(MPI_Comm comm, const Mat3 &cell, const Cloud &cloud, const EwaldParam
 
 TEST(PeriodicSumOnRanks, HasTheNumbersOfOneRank)
 {
-  Mat3 cell = Vec3(1.4, 0.9, 1.1).asDiagonal();
-  cell(0, 2) = 0.4;
+  const Mat3 cell = make_cell(1.4, 0.9, 1.1, 0.3);
   const Cloud all = make_cloud(cell, 500);
-  const std::vector<int> owner = assign_to_ranks(all.x, cell, count_ranks());
+  const std::vector<int> owner = assign_to_ranks(all.x, cell, get_n_ranks());
   std::vector<int> mine;
   for (int i = 0; i < 500; i++)
     if (owner[i] == get_rank()) mine.push_back(i);

@@ -2,29 +2,15 @@
 // same points and keeps its part.
 #include "biem_error.h"
 #include "biem_periodic_ghosts.h"
+#include "core/random_points.h"
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
-#include <random>
 
 using namespace biem;
 
 namespace {
-
-int get_rank()
-{
-  int rank;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  return rank;
-}
-
-int get_n_ranks()
-{
-  int n_ranks;
-  MPI_Comm_size(MPI_COMM_WORLD, &n_ranks);
-  return n_ranks;
-}
 
 enum class Placement { Bricks, AroundTheCell, LastRankOnly };
 

@@ -2,35 +2,13 @@
 // lattice vectors, derivatives of each other, and the free kernels in a large box.
 #include "biem_error.h"
 #include "biem_oracle_periodic.h"
+#include "core/random_points.h"
 #include <cmath>
 #include <gtest/gtest.h>
-#include <random>
 
 using namespace biem;
 
 namespace {
-
-Mat3 make_cell(double lx, double ly, double lz, double tilt)
-{
-  Mat3 cell = Mat3::Zero();
-  cell.diagonal() = Vec3(lx, ly, lz);
-  cell(0, 2) = tilt * lx;
-  return cell;
-}
-
-Points make_random(int n, std::mt19937_64 &generator, double low, double high)
-{
-  std::uniform_real_distribution<double> uniform(low, high);
-  Points p(3, n);
-  for (Eigen::Index i = 0; i < p.size(); i++)
-    p.data()[i] = uniform(generator);
-  return p;
-}
-
-double relative_rms(const Points &a, const Points &b)
-{
-  return (a - b).norm() / b.norm();
-}
 
 // Sources in a general triclinic cell, targets elsewhere.
 struct Scene {
