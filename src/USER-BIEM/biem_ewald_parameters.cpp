@@ -13,8 +13,7 @@ namespace biem {
 
 namespace {
 
-constexpr double kMostGridPoints = 2e9;         // what a large cluster can still hold
-constexpr double kTightestTolerance = 1e-10;    // double precision leaves no margin below
+constexpr double kMostGridPoints = 2e9;    // what a large cluster can still hold
 // Shares of the tolerance for the independent error sources, added in quadrature.
 constexpr double kSpmeShare = 0.36;         // real space, truncation, aliasing
 constexpr double kPswfShare = 0.45;         // truncation, aliasing

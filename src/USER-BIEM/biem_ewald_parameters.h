@@ -35,6 +35,8 @@ struct EwaldScene {
   std::array<int, 3> grid{};
 };
 
+constexpr double kTightestTolerance = 1e-10;    // double precision leaves no margin below
+
 struct EwaldParameters {
   EwaldMethod method = EwaldMethod::Pswf;
   double cutoff = 0.0;            // real-space cutoff [length]

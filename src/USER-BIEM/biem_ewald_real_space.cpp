@@ -1,6 +1,7 @@
 // Real-space sum: candidates are gathered once per search cell of targets, picked per target by a
 // test in single precision, and summed by a branch-free polynomial kernel in packs of doubles.
 #include "biem_ewald_real_space.h"
+#include "biem_bin_sort.h"
 #include "biem_prefetch.h"
 #include "biem_simd_gather.h"
 #include "biem_simd_math.h"
@@ -29,28 +30,17 @@ BIEM_INLINE Pack evaluate_polynomial(const std::vector<double> &c, Pack v)
 
 void RealSpaceSum::sort_points(PointsView points, std::vector<int> &start, std::vector<int> &order)
 {
-  const int n = static_cast<int>(points.cols());
-  std::vector<int> &cell = cell_of_point_;
-  cell.resize(n);
-  start.assign(n_cells_[0] * n_cells_[1] * n_cells_[2] + 1, 0);
-  order.resize(n);
+  cell_of_point_.resize(points.cols());
   const double inverse = 1.0 / cell_size_;
-  for (int i = 0; i < n; i++) {
+  for (Eigen::Index i = 0; i < points.cols(); i++) {
     int index = 0;
     for (int a = 0; a < 3; a++)
       index =
           index * n_cells_[a] +
           std::clamp(static_cast<int>((points(a, i) - lower_[a]) * inverse), 0, n_cells_[a] - 1);
-    cell[i] = index;
-    start[index + 1]++;
+    cell_of_point_[i] = index;
   }
-  for (size_t c = 1; c < start.size(); c++)
-    start[c] += start[c - 1];
-  for (int i = 0; i < n; i++)    // moves every start to the next cell's
-    order[start[cell[i]]++] = i;
-  for (size_t c = start.size() - 1; c > 0; c--)
-    start[c] = start[c - 1];
-  start[0] = 0;
+  sort_into_bins(cell_of_point_, n_cells_[0] * n_cells_[1] * n_cells_[2], start, order);
 }
 
 void RealSpaceSum::set_search_cells(const Vec3 &size)

@@ -2,6 +2,7 @@
 // window that wraps around there is done in two runs with the weights beyond the edge set to zero,
 // so that one loop without branches serves all.
 #include "biem_ewald_spread.h"
+#include "biem_bin_sort.h"
 #include "biem_prefetch.h"
 #include "biem_simd_row.h"
 #include <algorithm>
@@ -22,20 +23,14 @@ void PointWindows::set_points(const EwaldWindow &window, const std::array<int, 3
   std::array<int, 3> blocks;
   for (int a = 0; a < 3; a++)
     blocks[a] = (grid[a] + kBlock - 1) / kBlock;
-  std::vector<int> block(n), start(blocks[0] * blocks[1] * blocks[2] + 1, 0);
+  std::vector<int> block(n), start;
   for (int i = 0; i < n; i++) {
-    int index = 0;
+    block[i] = 0;
     for (int a = 0; a < 3; a++)
-      index = index * blocks[a] +
-              std::min(static_cast<int>(fractional(a, i) * grid[a]) / kBlock, blocks[a] - 1);
-    block[i] = index;
-    start[index + 1]++;
+      block[i] = block[i] * blocks[a] +
+                 std::min(static_cast<int>(fractional(a, i) * grid[a]) / kBlock, blocks[a] - 1);
   }
-  for (size_t b = 1; b < start.size(); b++)
-    start[b] += start[b - 1];
-  order_.resize(n);
-  for (int i = 0; i < n; i++)
-    order_[start[block[i]]++] = i;
+  sort_into_bins(block, blocks[0] * blocks[1] * blocks[2], start, order_);
 
   window_order_ = window.order();
   padded_ = window.padded();

@@ -13,9 +13,8 @@ namespace biem {
 namespace {
 
 constexpr int kCandidates = 6;
-constexpr int kRepeats = 2;            // the first one fetches the memory
-constexpr double kReference = 0.03;    // tolerance of the reference for a measured error
-constexpr double kTightest = 1e-10;
+constexpr int kRepeats = 2;             // the first one fetches the memory
+constexpr double kReference = 0.03;     // tolerance of the reference for a measured error
 constexpr double kErrorMargin = 1.3;    // strengths of other kinds, deforming surfaces
 constexpr double kLeastFactor = 0.2;    // a single measurement does not relax more than this
 
@@ -64,7 +63,7 @@ class Trial {
   double measure_error(const EwaldParameters &p) const
   {
     EwaldScene tight = scene_;
-    tight.tolerance = std::max(kTightest, kReference * scene_.tolerance);
+    tight.tolerance = std::max(kTightestTolerance, kReference * scene_.tolerance);
     double seconds;
     const Points exact = evaluate(choose_ewald_parameters(tight), seconds);
     double squares[2] = {(evaluate(p, seconds) - exact).squaredNorm(), exact.squaredNorm()};

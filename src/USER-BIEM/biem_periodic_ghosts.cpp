@@ -56,7 +56,7 @@ PeriodicGhosts::PeriodicGhosts(MPI_Comm comm, PointsView owned, const Mat3 &cell
   const int n_ghosts = receives_.empty() ? 0 : receives_.back().first + receives_.back().n;
   nodes_.resize(3, n_owned_ + n_ghosts);
   nodes_.leftCols(n_owned_) = owned;
-  exchange_forward(images.data(), nodes_.data() + 3 * static_cast<size_t>(n_owned_), 3);
+  exchange(sends_, images.data(), receives_, nodes_.data() + 3 * static_cast<size_t>(n_owned_), 3);
 }
 
 std::vector<PeriodicGhosts::Box> PeriodicGhosts::gather_boxes(PointsView owned) const
@@ -114,42 +114,23 @@ void PeriodicGhosts::list_received()
   }
 }
 
-void PeriodicGhosts::exchange_forward(const double *sent, double *ghosts, int n_columns)
+void PeriodicGhosts::exchange(const std::vector<Block> &out, const double *source,
+                              const std::vector<Block> &in, double *destination, int n_columns)
 {
   const size_t width = n_columns;
   requests_.clear();
-  const double *own = nullptr;    // images that stay on this rank
-  for (const Block &block : receives_)
-    if (block.rank != rank_)
-      MPI_Irecv(ghosts + block.first * width, block.n * n_columns, MPI_DOUBLE, block.rank, kTag,
-                comm_, &requests_.emplace_back());
-  for (const Block &block : sends_)
+  double *own = nullptr;    // what stays on this rank
+  for (const Block &block : in)
     if (block.rank == rank_)
-      own = sent + block.first * width;
+      own = destination + block.first * width;
     else
-      MPI_Isend(sent + block.first * width, block.n * n_columns, MPI_DOUBLE, block.rank, kTag,
-                comm_, &requests_.emplace_back());
-  for (const Block &block : receives_)
-    if (block.rank == rank_) std::copy_n(own, block.n * width, ghosts + block.first * width);
-  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
-}
-
-void PeriodicGhosts::exchange_reverse(const double *ghosts, double *sent, int n_columns)
-{
-  const size_t width = n_columns;
-  requests_.clear();
-  double *own = nullptr;
-  for (const Block &block : sends_)
+      MPI_Irecv(destination + block.first * width, block.n * n_columns, MPI_DOUBLE, block.rank,
+                kTag, comm_, &requests_.emplace_back());
+  for (const Block &block : out)
     if (block.rank == rank_)
-      own = sent + block.first * width;
+      std::copy_n(source + block.first * width, block.n * width, own);
     else
-      MPI_Irecv(sent + block.first * width, block.n * n_columns, MPI_DOUBLE, block.rank, kTag,
-                comm_, &requests_.emplace_back());
-  for (const Block &block : receives_)
-    if (block.rank == rank_)
-      std::copy_n(ghosts + block.first * width, block.n * width, own);
-    else
-      MPI_Isend(ghosts + block.first * width, block.n * n_columns, MPI_DOUBLE, block.rank, kTag,
+      MPI_Isend(source + block.first * width, block.n * n_columns, MPI_DOUBLE, block.rank, kTag,
                 comm_, &requests_.emplace_back());
   MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
 }
@@ -160,14 +141,14 @@ void PeriodicGhosts::forward(double *values, int n_columns)
   buffer_.resize(sent_.size() * width);
   for (size_t i = 0; i < sent_.size(); i++)
     std::copy_n(values + sent_[i] * width, width, &buffer_[i * width]);
-  exchange_forward(buffer_.data(), values + n_owned_ * width, n_columns);
+  exchange(sends_, buffer_.data(), receives_, values + n_owned_ * width, n_columns);
 }
 
 void PeriodicGhosts::reverse_add(double *values, int n_columns)
 {
   const size_t width = n_columns;
   buffer_.resize(sent_.size() * width);
-  exchange_reverse(values + n_owned_ * width, buffer_.data(), n_columns);
+  exchange(receives_, values + n_owned_ * width, sends_, buffer_.data(), n_columns);
   for (size_t i = 0; i < sent_.size(); i++)
     for (size_t c = 0; c < width; c++)
       values[sent_[i] * width + c] += buffer_[i * width + c];

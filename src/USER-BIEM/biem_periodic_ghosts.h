@@ -43,9 +43,9 @@ class PeriodicGhosts : public NodeExchange {
   void list_sent(PointsView owned, const Mat3 &cell, const std::vector<Box> &boxes, double reach,
                  std::vector<double> &images);
   void list_received();
-  // sent: values[n_columns] of each entry of sent_.
-  void exchange_forward(const double *sent, double *ghosts, int n_columns);
-  void exchange_reverse(const double *ghosts, double *sent, int n_columns);
+  // Blocks of source to the ranks' blocks of destination; sent images and ghosts, either way.
+  void exchange(const std::vector<Block> &out, const double *source, const std::vector<Block> &in,
+                double *destination, int n_columns);
 
   MPI_Comm comm_;
   int rank_ = 0, n_ranks_ = 1;
