@@ -108,7 +108,9 @@ SuspensionShare::SuspensionShare(MPI_Comm comm, const RedCells &cells, double re
     bend_(kBendingModulus, compute_sphere_angle(2 * cells.nodes_per_cell - 4))
 {
   for (int i : owned_)
-    cell_of_node_.push_back(i / cells.nodes_per_cell);
+    surface_of_node_.push_back(i / cells.nodes_per_cell);
+  no_index_.assign(owned_.size(), -1);
+  unwrapped_ = cells.unwrapped(Eigen::all, owned_);
   list_elements(cells);
   list_candidates();
 }
@@ -127,7 +129,7 @@ void SuspensionShare::list_elements(const RedCells &cells)
         {copies.find_closest(t[0], middle), middle, copies.find_closest(t[2], middle)});
     references_.push_back(compute_reference_triangle(
         {cells.reference.col(t[0]), cells.reference.col(t[1]), cells.reference.col(t[2])}));
-    cell_of_triangle_.push_back(t[1] / cells.nodes_per_cell);
+    surface_of_triangle_.push_back(t[1] / cells.nodes_per_cell);
     shifts.push_back(cells.unwrapped.col(t[1]) - ghosts_.nodes().col(middle));
   }
   for (const Hinge &h : cells.hinges) {
@@ -181,8 +183,17 @@ void SuspensionShare::list_candidates()
 
 Configuration SuspensionShare::configuration() const
 {
-  return Configuration{ghosts_.nodes(), ghosts_.n_owned(), triangles_, cell_of_triangle_,
-                       cell_of_node_,   triangle_shift_,   candidates_};
+  return Configuration{ghosts_.nodes(),
+                       ghosts_.n_owned(),
+                       triangles_,
+                       surface_of_triangle_,
+                       surface_of_node_,
+                       no_index_,
+                       triangle_shift_,
+                       unwrapped_,
+                       candidates_,
+                       orientations_,
+                       0};
 }
 
 Points SuspensionShare::compute_membrane_forces() const

@@ -48,7 +48,9 @@ class SuspensionShare {
   std::vector<biem::Triangle> triangles_;
   std::vector<biem::ReferenceTriangle> references_;
   std::vector<biem::Hinge> hinges_;
-  std::vector<int> cell_of_triangle_, cell_of_node_;
+  std::vector<int> surface_of_triangle_, surface_of_node_, no_index_;
+  biem::Points unwrapped_;
+  std::vector<biem::Mat3> orientations_;    // none: no rigid particles
   biem::Points triangle_shift_;
   biem::NearCandidates candidates_;
   biem::SkalakLaw skalak_;

@@ -153,7 +153,8 @@ Measurement measure(MPI_Comm comm, const Options &options, Dealt &dealt, Layers 
     MPI_Barrier(comm);
     CpuClock clock;
     sum.set_points({ghosts.nodes(), ghosts.n_owned(), dealt.points,
-                    has_double(layers) ? dealt.normals : none, dealt.unwrapped});
+                    has_double(layers) ? dealt.normals : none, dealt.unwrapped},
+                   layers);
     sum.add_layers(layers, dealt.forces, dealt.densities, ghosts, velocities);
     const double seconds = clock.restart();
     Phases phases = to_phases(sum.profile());

@@ -104,7 +104,7 @@ enum class Forces { Membrane, Smooth };
 Parts evaluate(Suspension &suspension, SuspensionShare &share, const Points &smooth_forces,
                Forces kind, CellVolumes &volumes, Points &velocity)
 {
-  const Parts before = to_parts(suspension.profile());
+  const Parts before = to_parts(suspension.force_profile());
   CpuClock total, clock;
   Points forces = share.compute_membrane_forces();
   const double membrane = clock.restart();
@@ -112,9 +112,12 @@ Parts evaluate(Suspension &suspension, SuspensionShare &share, const Points &smo
   const double exchange = clock.restart();
   if (kind == Forces::Smooth) forces = smooth_forces;
   const Configuration c = share.configuration();
-  velocity = suspension.evaluate(c, forces.leftCols(c.n_owned), volumes, share.ghosts()).velocity;
+  velocity = suspension
+                 .evaluate(c, forces.leftCols(c.n_owned), Conditions(), CoupledFields(), volumes,
+                           share.ghosts())
+                 .velocity;
   const double seconds = total.restart();
-  Parts parts = to_parts(suspension.profile());
+  Parts parts = to_parts(suspension.force_profile());
   for (int p = 0; p < kNParts; p++)
     parts[p] -= before[p];
   parts[kMembrane] += membrane;
@@ -149,7 +152,9 @@ Measurement measure(MPI_Comm comm, const RedCells &cells, const EwaldScene &scen
   const double reach =
       std::max(result.parameters.cutoff + cells.longest_edge, 4.0 * cells.longest_edge);
   SuspensionShare share(comm, cells, reach);
-  Suspension suspension(comm, result.parameters, SuspensionSettings());
+  Scene scene;
+  scene.surfaces.assign(cells.n_cells, Surface{SurfaceKind::Cell});
+  Suspension suspension(comm, result.parameters, SuspensionSettings(), scene);
   suspension.set_cell(cells.box, Vec3::Zero());
   CellVolumes volumes;
   volumes.reference.assign(cells.n_cells, 4.0 * M_PI / 3.0);
@@ -165,7 +170,7 @@ Measurement measure(MPI_Comm comm, const RedCells &cells, const EwaldScene &scen
     result.velocities.col(share.owned()[i]) = velocity.col(i);
   MPI_Allreduce(MPI_IN_PLACE, result.velocities.data(), static_cast<int>(result.velocities.size()),
                 MPI_DOUBLE, MPI_SUM, comm);
-  result.near_pairs = static_cast<double>(suspension.profile().n_near_pairs);
+  result.near_pairs = static_cast<double>(suspension.force_profile().n_near_pairs);
   MPI_Allreduce(MPI_IN_PLACE, &result.near_pairs, 1, MPI_DOUBLE, MPI_SUM, comm);
   return result;
 }

@@ -3,6 +3,7 @@ set(BIEM_SOURCE_DIR ${CMAKE_CURRENT_LIST_DIR}/../src/USER-BIEM)
 
 # Core: namespace biem, no LAMMPS header.
 set(BIEM_CORE_SOURCES
+  biem_coupled_system.cpp
   biem_element_flat.cpp
   biem_ewald_cost.cpp
   biem_ewald_error_model.cpp
@@ -21,21 +22,34 @@ set(BIEM_CORE_SOURCES
   biem_ewald_window.cpp
   biem_membrane_bend.cpp
   biem_membrane_skalak.cpp
+  biem_mesh_clearance.cpp
+  biem_mesh_file.cpp
   biem_mesh_icosphere.cpp
   biem_mesh_moments.cpp
   biem_mesh_obstacles.cpp
   biem_mesh_packing.cpp
   biem_mesh_packing_contacts.cpp
   biem_mesh_shape.cpp
+  biem_mesh_sheets.cpp
   biem_mesh_signed_distance.cpp
   biem_mesh_topology.cpp
+  biem_mesh_translations.cpp
+  biem_mesh_wall.cpp
   biem_near_correction.cpp
   biem_near_triangle.cpp
+  biem_operator_body.cpp
   biem_operator_layers.cpp
+  biem_operator_row_sums.cpp
   biem_oracle_periodic.cpp
   biem_periodic_ghosts.cpp
+  biem_rigid_motion.cpp
+  biem_scene.cpp
+  biem_solver_body.cpp
   biem_solver_gmres.cpp
+  biem_solver_wall.cpp
   biem_stepper.cpp
+  biem_surface_modes.cpp
+  biem_surface_subset.cpp
   biem_suspension.cpp
 )
 
@@ -44,12 +58,18 @@ set(BIEM_BRIDGE_SOURCES
   biem_lammps_bridge.cpp
   biem_lammps_cell_creation.cpp
   biem_lammps_cell_settings.cpp
+  biem_lammps_command_arguments.cpp
+  biem_lammps_gather.cpp
+  biem_lammps_output.cpp
+  biem_lammps_particles.cpp
   biem_lammps_report.cpp
   biem_lammps_script_check.cpp
   biem_lammps_settings.cpp
   biem_lammps_sheared_box.cpp
   biem_lammps_solver.cpp
+  biem_lammps_surface_command.cpp
   biem_lammps_topology.cpp
+  biem_lammps_wall_settings.cpp
 )
 
 # Styles: LAMMPS classes behind the commands of the input script.
@@ -57,6 +77,7 @@ set(BIEM_STYLE_SOURCES
   angle_biem_skalak.cpp
   compute_biem_cell.cpp
   create_cells.cpp
+  create_wall.cpp
   dihedral_biem_bend.cpp
   fix_biem.cpp
 )

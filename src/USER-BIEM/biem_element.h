@@ -42,18 +42,26 @@ class SurfaceElements {
   virtual void add_mass_product(PointsView density, PointsRef result) const = 0;
 
   // Of the candidates (n columns of nodes), in their order, those within distance of one of the
-  // element's nodes: written to found, which has room for n; returns their number.
+  // element's nodes: written to found, which has room for n or is candidates; returns their number.
   virtual int find_within(int element, double distance, const int *candidates, int n,
                           PointsView nodes, int *found) const = 0;
 
   // Densities of the near corrections, 3 x n each, or 3 x 0 for a layer that is not present: the
-  // single layer's f and the double layer's q. Called once per density and geometry.
-  virtual void prepare_near(PointsView single_layer_density, PointsView double_layer_density) = 0;
+  // single layer's f and the double layer's q. layers: what each element carries of them; null:
+  // both. Called once per density and geometry.
+  virtual void prepare_near(PointsView single_layer_density, PointsView double_layer_density,
+                            const std::vector<Layers> *layers = nullptr) = 0;
+  // Whether the element carries a layer whose density was given. Throws Error if not prepared.
+  virtual bool has_near(int element) const = 0;
   // velocities (3 x n_all) of the n targets (columns of nodes) += closed form minus far rule of
   // the element's free-space integrals, int (I/r + rr/r^3) f dA and int -6 r (r.q)(r.n)/r^5 dA.
   // The result at a target does not depend on the other targets. Throws Error if not prepared.
+  // Only the layers that the element carries are added and paid for.
   virtual void add_near_corrections(int element, const int *targets, int n, PointsView nodes,
                                     PointsRef velocities) const = 0;
+  // The same for the double layer of (e_1, e_2, e_3), in columns; needs no densities.
+  virtual void add_near_tensors(int element, const int *targets, int n, PointsView nodes,
+                                std::vector<Mat3> &tensors) const = 0;
 };
 
 }    // namespace biem

@@ -63,6 +63,24 @@ BIEM_INLINE void subtract_rule_point(PointPack &velocity, const PointPack &r, co
   velocity.y -= along * r.y;
   velocity.z -= along * r.z;
 }
+
+// tensor -= one point of the far rule of the double layer, its weight times -6 and unit normal.
+BIEM_INLINE void subtract_rule_tensor(TensorPack &tensor, const PointPack &r, double weight,
+                                      const Vec3 &n)
+{
+  const Pack zero = {}, r2 = squared_norm(r);
+  const Mask apart = less(zero, r2);
+  const Pack inverse = select(apart, inverse_square_root(select(apart, r2, broadcast(1.0))), zero);
+  const Pack inverse2 = inverse * inverse;
+  const Pack factor = weight * dot(r, n) * (inverse2 * inverse2 * inverse);
+  const Pack fx = factor * r.x, fy = factor * r.y, fz = factor * r.z;
+  tensor.xx -= fx * r.x;
+  tensor.xy -= fx * r.y;
+  tensor.xz -= fx * r.z;
+  tensor.yy -= fy * r.y;
+  tensor.yz -= fy * r.z;
+  tensor.zz -= fz * r.z;
+}
 }    // namespace
 
 void FlatElements::set_geometry(PointsView nodes, const std::vector<Triangle> &triangles)
@@ -70,6 +88,7 @@ void FlatElements::set_geometry(PointsView nodes, const std::vector<Triangle> &t
   triangles_ = triangles;
   n_nodes_ = nodes.cols();
   single_ = double_ = PreparedDensity();
+  layers_.clear();
   const size_t n = triangles.size();
   corners_.resize(n);
   frames_.resize(n);
@@ -187,17 +206,37 @@ int FlatElements::find_within(int e, double distance, const int *candidates, int
   return n_found;
 }
 
-FlatElements::PreparedDensity FlatElements::prepare(PointsView density, const char *layer) const
+bool FlatElements::carries_single(int e) const
+{
+  return !single_.linear.empty() && (layers_.empty() || has_single(layers_[e]));
+}
+
+bool FlatElements::carries_double(int e) const
+{
+  return !double_.linear.empty() && (layers_.empty() || has_double(layers_[e]));
+}
+
+bool FlatElements::has_near(int e) const
+{
+  if (single_.linear.empty() && double_.linear.empty())
+    throw Error("near corrections were asked for without a density: call prepare_near() after "
+                "every set_geometry(), with a single-layer or a double-layer density");
+  return carries_single(e) || carries_double(e);
+}
+
+FlatElements::PreparedDensity FlatElements::prepare(PointsView density, Layers layer) const
 {
   PreparedDensity prepared;
   if (density.cols() == 0) return prepared;
+  const std::string name = layer == Layers::Single ? "single" : "double";
   if (density.cols() < n_nodes_)
-    throw Error("near corrections: the " + std::string(layer) + "-layer density has " +
+    throw Error("near corrections: the " + name + "-layer density has " +
                 std::to_string(density.cols()) + " values for " + std::to_string(n_nodes_) +
                 " nodes; give one for every node, ghosts included, or none");
   prepared.linear.resize(triangles_.size());
   prepared.rule.resize(triangles_.size());
   for (int e = 0; e < n_elements(); e++) {
+    if (!layers_.empty() && layers_[e] != layer && layers_[e] != Layers::Both) continue;
     Mat3 f;
     for (int v = 0; v < 3; v++)
       f.col(v) = density.col(triangles_[e][v]);
@@ -209,10 +248,16 @@ FlatElements::PreparedDensity FlatElements::prepare(PointsView density, const ch
   return prepared;
 }
 
-void FlatElements::prepare_near(PointsView single_layer_density, PointsView double_layer_density)
+void FlatElements::prepare_near(PointsView single_layer_density, PointsView double_layer_density,
+                                const std::vector<Layers> *layers)
 {
-  single_ = prepare(single_layer_density, "single");
-  double_ = prepare(double_layer_density, "double");
+  if (layers && layers->size() != triangles_.size())
+    throw Error("near corrections: layers are given for " + std::to_string(layers->size()) +
+                " of " + std::to_string(triangles_.size()) +
+                " elements; give one of each, or none");
+  layers_ = layers ? *layers : std::vector<Layers>();
+  single_ = prepare(single_layer_density, Layers::Single);
+  double_ = prepare(double_layer_density, Layers::Double);
 }
 
 template <Layers layers>
@@ -231,10 +276,8 @@ PointPack FlatElements::compute_corrections(int e, const PointPack &targets) con
 void FlatElements::add_near_corrections(int e, const int *targets, int n, PointsView nodes,
                                         PointsRef velocities) const
 {
-  const bool is_single = !single_.linear.empty(), is_double = !double_.linear.empty();
-  if (!is_single && !is_double)
-    throw Error("near corrections were asked for without a density: call prepare_near() after "
-                "every set_geometry(), with a single-layer or a double-layer density");
+  const bool is_single = carries_single(e), is_double = carries_double(e);
+  if (!is_single && !is_double && !has_near(e)) return;
   for (int k = 0; k < n; k += kLanes) {
     const int m = n - k < kLanes ? n - k : kLanes;
     const PointPack x = gather(nodes, targets + k, m);
@@ -246,6 +289,25 @@ void FlatElements::add_near_corrections(int e, const int *targets, int n, Points
       velocity[0] += u.x[l];
       velocity[1] += u.y[l];
       velocity[2] += u.z[l];
+    }
+  }
+}
+
+void FlatElements::add_near_tensors(int e, const int *targets, int n, PointsView nodes,
+                                    std::vector<Mat3> &tensors) const
+{
+  for (int k = 0; k < n; k += kLanes) {
+    const int m = n - k < kLanes ? n - k : kLanes;
+    const PointPack x = gather(nodes, targets + k, m);
+    TensorPack t = integrate_near_triangle_tensor(frames_[e], x);
+    for (int v = 0; v < 4; v++)
+      subtract_rule_tensor(t, subtract(x, v < 3 ? corners_[e][v] : centroid(e)),
+                           -6.0 * (v < 3 ? kVertexWeight : kCentroidWeight) * area(e),
+                           frames_[e].normal);
+    for (int l = 0; l < m; l++) {
+      Mat3 tensor;
+      tensor << t.xx[l], t.xy[l], t.xz[l], t.xy[l], t.yy[l], t.yz[l], t.xz[l], t.yz[l], t.zz[l];
+      tensors[targets[k + l]] += tensor;
     }
   }
 }

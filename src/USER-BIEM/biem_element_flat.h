@@ -26,9 +26,13 @@ class FlatElements : public SurfaceElements {
   void add_mass_product(PointsView density, PointsRef result) const override;
   int find_within(int element, double distance, const int *candidates, int n, PointsView nodes,
                   int *found) const override;
-  void prepare_near(PointsView single_layer_density, PointsView double_layer_density) override;
+  void prepare_near(PointsView single_layer_density, PointsView double_layer_density,
+                    const std::vector<Layers> *layers = nullptr) override;
+  bool has_near(int element) const override;
   void add_near_corrections(int element, const int *targets, int n, PointsView nodes,
                             PointsRef velocities) const override;
+  void add_near_tensors(int element, const int *targets, int n, PointsView nodes,
+                        std::vector<Mat3> &tensors) const override;
 
  private:
   // A density of prepare_near in the form that the near corrections need.
@@ -38,7 +42,9 @@ class FlatElements : public SurfaceElements {
   };
 
   Vec3 centroid(int element) const;
-  PreparedDensity prepare(PointsView density, const char *layer) const;
+  bool carries_single(int element) const;
+  bool carries_double(int element) const;
+  PreparedDensity prepare(PointsView density, Layers layer) const;
   template <Layers layers>
   PointPack compute_corrections(int element, const PointPack &targets) const;
 
@@ -48,6 +54,7 @@ class FlatElements : public SurfaceElements {
   std::vector<double> mean_edges_;
   Eigen::Index n_nodes_ = 0;
   PreparedDensity single_, double_;    // empty: not present
+  std::vector<Layers> layers_;         // of each element; empty: both
 };
 
 }    // namespace biem

@@ -39,56 +39,71 @@ const Points &FourierSum::to_fractional(PointsView points)
   return fractional_;
 }
 
-void FourierSum::set_points(PointsView targets, PointsView sources, PointsView normals)
+void FourierSum::set_targets(PointsView targets)
 {
   CpuClock clock;
-  source_router_.set_points(comm_, plane_owner_, to_fractional(sources), parameters_.order);
   target_router_.set_points(comm_, plane_owner_, to_fractional(targets), parameters_.order);
-  int has_normals = normals.cols() > 0;
-  MPI_Allreduce(MPI_IN_PLACE, &has_normals, 1, MPI_INT, MPI_MAX, comm_);
-  if (has_normals) normals_ = Points(source_router_.send(normals, routed_densities_));
   profile_.exchange += clock.restart();
-  source_windows_.set_points(*window_, parameters_.grid, source_router_.points(),
-                             has_normals ? WindowContent::ValuesAndSlopes : WindowContent::Values);
   target_windows_.set_points(*window_, parameters_.grid, target_router_.points(),
                              WindowContent::Values);
   profile_.windows += clock.restart();
 }
 
-void FourierSum::spread(Layers layers, PointsView forces, PointsView densities)
+void FourierSum::set_sources(Layers carried, PointsView points, PointsView normals)
 {
   CpuClock clock;
+  Sources &sources = sources_[static_cast<int>(carried)];
+  sources.router.set_points(comm_, plane_owner_, to_fractional(points), parameters_.order);
+  if (has_double(carried)) sources.normals = sources.router.send(normals, routed_densities_);
+  profile_.exchange += clock.restart();
+  sources.windows.set_points(*window_, parameters_.grid, sources.router.points(),
+                             has_double(carried) ? WindowContent::ValuesAndSlopes
+                                                 : WindowContent::Values);
+  profile_.windows += clock.restart();
+}
+
+void FourierSum::begin(Layers layers)
+{
+  CpuClock clock;
+  layers_ = layers;
+  grid_.clear(layers);
+  profile_.spread += clock.restart();
+}
+
+void FourierSum::spread(Layers carried, Layers layers, PointsView forces, PointsView densities)
+{
+  CpuClock clock;
+  Sources &sources = sources_[static_cast<int>(carried)];
   const Points none(3, 0);
-  const PointsView routed_forces = has_single(layers) ? source_router_.send(forces, routed_forces_)
+  const PointsView routed_forces = has_single(layers) ? sources.router.send(forces, routed_forces_)
                                                       : PointsView(none);
   const PointsView routed_densities =
-      has_double(layers) ? source_router_.send(densities, routed_densities_) : PointsView(none);
+      has_double(layers) ? sources.router.send(densities, routed_densities_) : PointsView(none);
   profile_.exchange += clock.restart();
-  const GridSlab slab = grid_.clear(layers);
+  const GridSlab slab = grid_.slab(layers_);
   if (has_double(layers)) {
     Mat3 to_grid = inverse_cell_;
     for (int a = 0; a < 3; a++)
       to_grid.row(a) *= parameters_.grid[a];
-    source_windows_.spread_layers(slab, routed_forces, routed_densities, normals_, to_grid);
+    sources.windows.spread_layers(slab, routed_forces, routed_densities, sources.normals, to_grid);
   } else {
-    source_windows_.spread_forces(slab, routed_forces);
+    sources.windows.spread_forces(slab, routed_forces);
   }
   profile_.spread += clock.restart();
 }
 
-void FourierSum::add_layers(Layers layers, PointsView forces, PointsView densities,
-                            PointsRef velocities)
+void FourierSum::add_velocities(PointsRef velocities)
 {
-  spread(layers, forces, densities);
-  grid_.convolve(layers, cell_);
+  grid_.convolve(layers_, cell_);
   CpuClock clock;
+  const GridSlab slab = grid_.slab(Layers::Single);
   if (target_router_.n_ranks() == 1) {
-    target_windows_.interpolate(grid_.slab(3), velocities);
+    target_windows_.interpolate(slab, velocities);
     profile_.interpolate += clock.restart();
     return;
   }
   values_.setZero(3, target_router_.points().cols());
-  target_windows_.interpolate(grid_.slab(3), values_);
+  target_windows_.interpolate(slab, values_);
   profile_.interpolate += clock.restart();
   target_router_.return_add(values_, velocities);
   profile_.exchange += clock.restart();

@@ -10,6 +10,8 @@
 
 namespace biem {
 
+constexpr int kNLayers = 3;    // sources are kept by the layers they carry
+
 // CPU seconds of this rank since construction.
 struct FourierProfile {
   double windows = 0.0, spread = 0.0, transform = 0.0, kernel = 0.0, interpolate = 0.0;
@@ -25,18 +27,29 @@ class FourierSum {
   // cell: columns = lattice vectors, upper triangular; origin: its corner. The tilts are first
   // reduced to [-1/2, 1/2) of the lattice vector, so that a flip of the box changes nothing.
   void set_cell(const Mat3 &cell, const Vec3 &origin);
-  // This rank's sources and targets anywhere in space (3 x n): routed, windows computed. normals of
-  // the sources times their areas, or 3 x 0 when no double layer will be asked for. Collective.
-  void set_points(PointsView targets, PointsView sources, PointsView normals);
-  // velocities (3 x n_targets) += Fourier part. forces of the single and densities of the double
-  // layer: 3 x n_sources each, not read when layers does not ask for them. Collective.
-  void add_layers(Layers layers, PointsView forces, PointsView densities, PointsRef velocities);
+  // This rank's targets, and its sources that carry the given layers; anywhere in space (3 x n):
+  // routed, windows computed. normals of the sources times their areas, not read for single layers.
+  // Sources that carry other layers stay. Collective.
+  void set_targets(PointsView targets);
+  void set_sources(Layers carried, PointsView sources, PointsView normals);
+  // One sum: its layers, then the strengths of all sources by what they carry, then
+  // velocities (3 x n_targets) += Fourier part. layers of a spread are carried by its sources and
+  // are in the sum; forces of the single and densities of the double layer: 3 x n_sources each, not
+  // read when layers does not ask for them. All collective.
+  void begin(Layers layers);
+  void spread(Layers carried, Layers layers, PointsView forces, PointsView densities);
+  void add_velocities(PointsRef velocities);
 
   FourierProfile profile() const;
 
  private:
+  struct Sources {
+    SlabRouter router;
+    PointWindows windows;
+    Points normals;    // routed
+  };
+
   const Points &to_fractional(PointsView points);
-  void spread(Layers layers, PointsView forces, PointsView densities);
 
   MPI_Comm comm_;
   EwaldParameters parameters_;
@@ -45,9 +58,10 @@ class FourierSum {
   std::vector<int> plane_owner_;
   Mat3 cell_ = Mat3::Identity(), inverse_cell_ = Mat3::Identity();
   Vec3 origin_ = Vec3::Zero();
-  SlabRouter source_router_, target_router_;
-  PointWindows source_windows_, target_windows_;
-  Points normals_;    // of the routed sources
+  std::array<Sources, kNLayers> sources_;    // by the layers they carry
+  SlabRouter target_router_;
+  PointWindows target_windows_;
+  Layers layers_ = Layers::Single;    // of the present sum
   // Kept from call to call: fresh memory costs as much as the work on it.
   Points fractional_, routed_forces_, routed_densities_, values_;
   FourierProfile profile_;

@@ -38,8 +38,9 @@ EwaldGrid::EwaldGrid(MPI_Comm comm, const EwaldParameters &parameters) :
     influence_[a] = compute_influence_factors(*window, parameters.grid[a]);
 }
 
-GridSlab EwaldGrid::slab(int n_fields)
+GridSlab EwaldGrid::slab(Layers layers)
 {
+  const int n_fields = count_fields(layers);
   GridSlab slab;
   slab.grid = parameters_.grid;
   slab.n_fields = n_fields;
@@ -50,11 +51,10 @@ GridSlab EwaldGrid::slab(int n_fields)
   return slab;
 }
 
-GridSlab EwaldGrid::clear(Layers layers)
+void EwaldGrid::clear(Layers layers)
 {
-  const GridSlab result = slab(count_fields(layers));
-  std::fill_n(result.values, result.n_planes * result.plane_size, 0.0);
-  return result;
+  const GridSlab fields = slab(layers);
+  std::fill_n(fields.values, fields.n_planes * fields.plane_size, 0.0);
 }
 
 // Modes n0 of one column: zero beyond the band limit, inside

@@ -19,10 +19,10 @@ class EwaldGrid {
  public:
   EwaldGrid(MPI_Comm comm, const EwaldParameters &parameters);    // collective
 
-  // This rank's planes for n fields, as they are before (3 or 4) and after (3) the convolution.
-  GridSlab slab(int n_fields);
-  // Cleared planes for the fields of the layers.
-  GridSlab clear(Layers layers);
+  // This rank's planes for the fields of the layers as they are before the convolution; after it,
+  // the velocities are those of a single layer.
+  GridSlab slab(Layers layers);
+  void clear(Layers layers);
   // Fields -> velocities; cell: columns = lattice vectors. Collective.
   void convolve(Layers layers, const Mat3 &cell);
 

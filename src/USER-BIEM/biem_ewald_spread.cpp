@@ -53,7 +53,7 @@ void PointWindows::set_points(const EwaldWindow &window, const std::array<int, 3
 // The loops for one order of the window, so that the compiler unrolls them.
 template <int order> struct PointWindows::Loops {
   using ForceRow = SimdRow<3 * order>;    // of interleaved fields
-  using LayerRow = SimdRow<4 * order>;
+  using LayerRow = SimdRow<4 * order>;    // the fourth one of the double layer
 
   // What one entry touches.
   struct Entry {
@@ -109,19 +109,23 @@ template <int order> struct PointWindows::Loops {
     return SimdRow<n * order>::load_from(values);
   }
 
+  template <int n_fields>
   static void spread_forces(const PointWindows &w, const GridSlab &slab, PointsView forces)
   {
+    using Row = SimdRow<n_fields * order>;
     for (int i = 0; i < w.size(); i++) {
       fetch_ahead(forces.data(), w.order_, i);
       const Entry entry(w, slab, i);
-      const Vec3 f = forces.col(w.order_[i]);
+      double f[n_fields] = {};
+      for (int a = 0; a < 3; a++)
+        f[a] = forces(a, w.order_[i]);
       entry.split_row(nullptr, [&](std::ptrdiff_t start, const double *part, const double *) {
-        const ForceRow source = make_row<3>(part, f.data());
+        const Row source = make_row<n_fields>(part, f);
         for (int a = 0; a < order; a++) {
           if (!entry.plane[a]) continue;
           for (int b = 0; b < order; b++) {
             double *p = entry.plane[a] + entry.row[b] + start;
-            ForceRow sum = ForceRow::load_from(p);
+            Row sum = Row::load_from(p);
             sum.add(entry.weights[0][a] * entry.weights[1][b], source);
             sum.store_to(p);
           }
@@ -218,7 +222,13 @@ void PointWindows::spread_forces(const GridSlab &slab, PointsView forces) const
 {
   dispatch(
       window_order_,
-      [&](auto order) { Loops<decltype(order)::value>::spread_forces(*this, slab, forces); },
+      [&](auto order) {
+        using OfOrder = Loops<decltype(order)::value>;
+        if (slab.n_fields == 4)
+          OfOrder::template spread_forces<4>(*this, slab, forces);
+        else
+          OfOrder::template spread_forces<3>(*this, slab, forces);
+      },
       kOrders);
 }
 

@@ -32,7 +32,7 @@ class PointWindows {
 
   int size() const { return static_cast<int>(order_.size()); }
 
-  // Adds f times the window to the three fields: f is 3 x n.
+  // Adds f times the window to the first three fields: f is 3 x n.
   void spread_forces(const GridSlab &slab, PointsView forces) const;
   // Adds the sources of a double layer: -2 D grad to the first three of four fields, tr D to the
   // fourth, with D = sym(q n), and forces as above (3 x n, or 3 x 0: none). to_grid: row a = M_a

@@ -21,6 +21,10 @@ struct PeriodicPoints {
   PointsView sources;      // 3 x n_s
   PointsView normals;      // 3 x n_s, times area; 3 x 0: no double layer will be asked for
   PointsView unwrapped;    // 3 x n_s or 3 x 0: sources with every closed surface in one piece
+  // n_all, ghosts as their owners: the others are not paid for; null: all. Like the next one, given
+  // on all ranks or on none.
+  const std::vector<char> *is_target = nullptr;
+  const std::vector<Layers> *source_layers = nullptr;    // n_s; null: all that is asked for
 };
 
 // CPU seconds of this rank since construction.
@@ -39,13 +43,14 @@ class PeriodicSum {
 
   // cell: columns = lattice vectors, upper triangular; origin: its corner.
   void set_cell(const Mat3 &cell, const Vec3 &origin);
-  // Collective; the views are not kept.
-  void set_points(const PeriodicPoints &points);
-  // velocities (3 x n_all) += the sum; what stands in the ghosts' columns is first added to their
-  // owners, the owned columns hold the result. forces (single layer) and densities (double layer):
-  // 3 x n_s each, not read when layers does not ask for them. Coincident points give the periodic
-  // remainder without the singular part. The mean over the cell is zero for the single layer; the
-  // k = 0 term of the double layer is (8 pi/V) [sum (q.n) y - x sum (q.n)]. Collective.
+  // layers: all that will be asked for, the same on every rank. Collective; the views are not kept.
+  void set_points(const PeriodicPoints &points, Layers layers);
+  // velocities (3 x n_all) += the sum at the targets; what stands in the ghosts' columns is first
+  // added to their owners, the owned columns hold the result. forces (single layer) and densities
+  // (double layer): 3 x n_s each, not read when layers does not ask for them, nor at sources that
+  // do not carry them. Coincident points give the periodic remainder without the singular part. The
+  // mean over the cell is zero for the single layer; the k = 0 term of the double layer is
+  // (8 pi/V) [sum (q.n) y - x sum (q.n)]. Collective.
   void add_layers(Layers layers, PointsView forces, PointsView densities, NodeExchange &exchange,
                   PointsRef velocities);
 
@@ -53,14 +58,35 @@ class PeriodicSum {
   PeriodicSumProfile profile() const;
 
  private:
-  void add_mean(PointsView densities, PointsRef velocities) const;
+  // Sources that carry the same layers.
+  struct Group {
+    Group(Layers layers, const RealSpaceKernel &kernel) : carried(layers), real_space(kernel) {}
+
+    Layers carried;
+    RealSpaceSum real_space;
+    bool is_present = false, is_whole = false;    // on any rank; all sources of every rank
+    std::vector<int> index;                       // of the sources, if not whole
+    Points normals, unwrapped;
+    Points forces, densities;    // of the present sum, if not whole
+  };
+
+  void set_targets(const PeriodicPoints &points);
+  void list_groups(const PeriodicPoints &points, Layers layers);
+  void set_sources(const PeriodicPoints &points, Group &group);
+  // moments: sum (q.n) y, sum q.n of one group
+  static void add_moments(const Group &group, PointsView densities, double *moments);
+  void add_mean(double *moments, PointsRef velocities) const;
 
   MPI_Comm comm_;
   EwaldParameters parameters_;
-  RealSpaceSum real_space_;
+  std::vector<Group> groups_;    // by the layers they carry
   FourierSum fourier_;
   double volume_ = 1.0;
-  Points owned_, unwrapped_, normals_;
+  bool has_mask_ = false;
+  std::vector<int> target_index_;    // of the targets if there is a mask: owned, then ghosts
+  Eigen::Index n_owned_targets_ = 0;
+  Points targets_;       // owned; with a mask ghosts, too
+  Points velocities_;    // of the targets if there is a mask
   PeriodicSumProfile profile_;
 };
 

@@ -51,7 +51,8 @@ class Trial {
     for (int i = 0; i < kRepeats; i++) {
       CpuClock clock;
       velocities = Points::Zero(3, ghosts.nodes().cols());
-      sum.set_points({ghosts.nodes(), ghosts.n_owned(), sources_, normals_, Points(3, 0)});
+      sum.set_points({ghosts.nodes(), ghosts.n_owned(), sources_, normals_, Points(3, 0)},
+                     scene_.layers);
       sum.add_layers(scene_.layers, forces_, densities_, ghosts, velocities);
       seconds = clock.restart();
     }

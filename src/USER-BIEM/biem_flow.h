@@ -1,4 +1,4 @@
-// Undisturbed flow that drives the suspension: at rest, uniform mean velocity, or simple shear.
+// Undisturbed flow that drives the suspension: at rest, uniform mean velocity, or a linear flow.
 #ifndef BIEM_FLOW_H
 #define BIEM_FLOW_H
 
@@ -6,15 +6,23 @@
 
 namespace biem {
 
-// u(x) = mean + (shear_rate * z, 0, 0); shear_rate [1/time], mean [length/time].
+// u(x) = mean + gradient x; gradient [1/time], mean [length/time].
 struct BackgroundFlow {
-  double shear_rate = 0.0;
   Vec3 mean = Vec3::Zero();
+  Mat3 gradient = Mat3::Zero();
 
-  Vec3 velocity(const Vec3 &x) const { return mean + Vec3(shear_rate * x[2], 0.0, 0.0); }
+  // Simple shear u = (rate z, 0, 0).
+  void set_shear(double rate)
+  {
+    gradient.setZero();
+    gradient(0, 2) = rate;
+  }
+  double shear_rate() const { return gradient(0, 2); }
+
+  Vec3 velocity(const Vec3 &x) const { return mean + gradient * x; }
 
   // Displacement in dt of a point at x whose own displacement relative to the flow is relative:
-  // the shear is integrated by the midpoint of z, exact for points that only follow the flow.
+  // the flow is integrated by the midpoint, exact for points that only follow a simple shear.
   Vec3 displacement(const Vec3 &x, const Vec3 &relative, double dt) const
   {
     return relative + dt * velocity(x + 0.5 * (relative + dt * mean));

@@ -117,27 +117,31 @@ biem::EwaldParameters to_ewald_parameters(const double *state)
   return p;
 }
 
-void LammpsScene::refresh(NeighList *list)
+void LammpsConfiguration::refresh(NeighList *list)
 {
+  version_++;
   triangles_.clear();
-  cell_of_triangle_.clear();
+  surface_of_triangle_.clear();
   candidates_.start.assign(1, 0);
   candidates_.node.clear();
   for (int n = 0; n < neighbor->nanglelist; n++) {
     const int *angle = neighbor->anglelist[n];
     triangles_.push_back({angle[0], angle[1], angle[2]});
-    cell_of_triangle_.push_back(static_cast<int>(atom->molecule[angle[1]]) - 1);
+    surface_of_triangle_.push_back(static_cast<int>(atom->molecule[angle[1]]) - 1);
     add_candidates(triangles_.back(), list);
     candidates_.start.push_back(static_cast<int>(candidates_.node.size()));
   }
-  cell_of_node_.resize(atom->nlocal);
-  for (int i = 0; i < atom->nlocal; i++)
-    cell_of_node_[i] = groups_.is_cell(atom->mask[i]) ? static_cast<int>(atom->molecule[i]) - 1
-                                                      : -1;
-  triangle_shift_.resize(3, triangles_.size());
+  surface_of_node_.resize(atom->nlocal);
+  index_of_node_.resize(atom->nlocal);
+  for (int i = 0; i < atom->nlocal; i++) {
+    const bool is_node = groups_.find_surface(atom->mask[i]) >= 0;
+    surface_of_node_[i] = is_node ? static_cast<int>(atom->molecule[i]) - 1 : -1;
+    index_of_node_[i] = is_node ? index_(atom->tag[i]) : -1;
+  }
+  triangle_shift_.resize(3, static_cast<Eigen::Index>(triangles_.size()));
 }
 
-void LammpsScene::add_candidates(const biem::Triangle &t, NeighList *list)
+void LammpsConfiguration::add_candidates(const biem::Triangle &t, NeighList *list)
 {
   biem::Vec3 corner[3];
   for (int v = 0; v < 3; v++)
@@ -168,18 +172,22 @@ void LammpsScene::add_candidates(const biem::Triangle &t, NeighList *list)
     add_if_near(list->firstneigh[i][k] & NEIGHMASK);
 }
 
-biem::Configuration LammpsScene::get_configuration()
+biem::Configuration LammpsConfiguration::get(std::vector<biem::Mat3> orientations)
 {
+  orientations_ = std::move(orientations);
+  unwrapped_.resize(3, atom->nlocal);
+  for (int i = 0; i < atom->nlocal; i++)
+    domain->unmap(atom->x[i], atom->image[i], unwrapped_.col(i).data());
   for (size_t e = 0; e < triangles_.size(); e++) {
-    const int i = triangles_[e][1];
-    double x[3];
-    domain->unmap(atom->x[i], atom->image[i], x);
+    const int i = triangles_[e][1];    // owned
     for (int a = 0; a < 3; a++)
-      triangle_shift_(a, e) = x[a] - atom->x[i][a];
+      triangle_shift_(a, e) = unwrapped_(a, i) - atom->x[i][a];
   }
   const Eigen::Map<const biem::Points> nodes(atom->x[0], 3, atom->nlocal + atom->nghost);
-  return biem::Configuration{nodes,         atom->nlocal,    triangles_, cell_of_triangle_,
-                             cell_of_node_, triangle_shift_, candidates_};
+  return biem::Configuration{
+      nodes,          atom->nlocal,    triangles_, surface_of_triangle_, surface_of_node_,
+      index_of_node_, triangle_shift_, unwrapped_, candidates_,          orientations_,
+      version_};
 }
 
 }    // namespace LAMMPS_NS

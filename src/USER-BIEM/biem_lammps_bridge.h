@@ -11,6 +11,7 @@
 #include "error.h"
 #include "lammps.h"
 #include "pointers.h"
+#include <functional>
 #include <string>
 
 namespace LAMMPS_NS {
@@ -49,29 +50,36 @@ constexpr int kEwaldStateSize = 14;
 std::vector<double> to_state(const biem::EwaldParameters &parameters);
 biem::EwaldParameters to_ewald_parameters(const double *state);
 
+// Number of an atom within its rigid shape or within all walls; -1 for all others.
+using NodeIndex = std::function<int(tagint)>;
+
 // This rank's share of the surfaces, kept between reneighborings.
-class LammpsScene : protected Pointers {
+class LammpsConfiguration : protected Pointers {
  public:
   // list_cutoff: of the full neighbor list, without skin.
-  LammpsScene(LAMMPS *lmp, const NodeGroups &groups, double list_cutoff) :
-      Pointers(lmp), groups_(groups), list_cutoff_(list_cutoff)
+  LammpsConfiguration(LAMMPS *lmp, const NodeGroups &groups, NodeIndex index, double list_cutoff) :
+      Pointers(lmp), groups_(groups), index_(std::move(index)), list_cutoff_(list_cutoff)
   {
   }
 
-  // After every reneighboring: triangles, cell indices, near candidates.
+  // After every reneighboring: triangles, numbers of surfaces, near candidates.
   void refresh(NeighList *list);
-  // Before every evaluation: shifts of the triangles to their cell's image.
-  biem::Configuration get_configuration();
+  // Before every evaluation: unwrapped positions. orientations: by surface.
+  biem::Configuration get(std::vector<biem::Mat3> orientations);
+  int find_surface(int node) const { return surface_of_node_[node]; }    // of an owned node
 
  private:
   void add_candidates(const biem::Triangle &triangle, NeighList *list);
 
   NodeGroups groups_;
+  NodeIndex index_;
   double list_cutoff_;
+  long version_ = 0;
   std::vector<biem::Triangle> triangles_;
-  std::vector<int> cell_of_triangle_, cell_of_node_;
-  biem::Points triangle_shift_;
+  std::vector<int> surface_of_triangle_, surface_of_node_, index_of_node_;
+  biem::Points triangle_shift_, unwrapped_;
   biem::NearCandidates candidates_;
+  std::vector<biem::Mat3> orientations_;
 };
 
 // Runs function(); a core error becomes a LAMMPS error that starts with who.

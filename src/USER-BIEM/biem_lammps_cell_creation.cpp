@@ -15,6 +15,9 @@ namespace {
 
 const char kReference[] = "biem_reference";    // property/atom d2_biem_reference
 
+// What a node of an icosphere (2 and 3) or a duct (3 and 0) stores at most.
+constexpr int kUsualAngles = 3, kUsualDihedrals = 3;
+
 template <class T>
 std::vector<T> gather_on_first(const std::vector<T> &own, MPI_Datatype datatype, MPI_Comm world)
 {
@@ -32,7 +35,7 @@ std::vector<T> gather_on_first(const std::vector<T> &own, MPI_Datatype datatype,
 
 }    // namespace
 
-biem::PackingObstacles gather_obstacles(LAMMPS *lmp)
+biem::PackingObstacles gather_obstacles(LAMMPS *lmp, const std::string &command)
 {
   Atom *atom = lmp->atom;
   std::vector<tagint> tags, corners;
@@ -68,7 +71,7 @@ biem::PackingObstacles gather_obstacles(LAMMPS *lmp)
     for (int k = 0; k < 3; k++) {
       const auto found = index.find(corners[i + k]);
       if (found == index.end())
-        lmp->error->one(FLERR, "create_cells: an existing angle refers to atom " +
+        lmp->error->one(FLERR, command + ": an existing angle refers to atom " +
                                    std::to_string(corners[i + k]) +
                                    ", which does not exist; was it deleted without its angles?");
       triangle[k] = found->second;
@@ -88,20 +91,21 @@ void CellCreation::prepare(const CellTemplate &cell)
 void CellCreation::prepare_topology(const CellTemplate &cell)
 {
   const int n_angles = cell.load.max_triangles, n_dihedrals = cell.load.max_hinges;
-  if (atom->angle_per_atom >= n_angles && atom->dihedral_per_atom >= n_dihedrals) return;
-  if (atom->natoms > 0)
+  if (atom->natoms > 0) {
+    if (atom->angle_per_atom >= n_angles && atom->dihedral_per_atom >= n_dihedrals) return;
     error->all(FLERR,
-               "create_cells: each atom stores up to " + std::to_string(n_angles) +
+               command_ + ": each atom stores up to " + std::to_string(n_angles) +
                    " angles and " + std::to_string(n_dihedrals) +
                    " dihedrals, but the box was created with room for " +
                    std::to_string(atom->angle_per_atom) + " and " +
                    std::to_string(atom->dihedral_per_atom) +
                    " and holds atoms already: add 'extra/angle/per/atom " +
                    std::to_string(n_angles) + " extra/dihedral/per/atom " +
-                   std::to_string(n_dihedrals) +
-                   "' to create_box or read_data, or use create_cells before other atoms");
-  atom->angle_per_atom = std::max(atom->angle_per_atom, n_angles);
-  atom->dihedral_per_atom = std::max(atom->dihedral_per_atom, n_dihedrals);
+                   std::to_string(std::max(n_dihedrals, kUsualDihedrals)) +
+                   "' to create_box or read_data, or use " + command_ + " before other atoms");
+  }
+  atom->angle_per_atom = std::max({atom->angle_per_atom, n_angles, kUsualAngles});
+  atom->dihedral_per_atom = std::max({atom->dihedral_per_atom, n_dihedrals, kUsualDihedrals});
   atom->deallocate_topology();
   atom->avec->grow(std::max(atom->nmax, 1));
 }
@@ -114,9 +118,9 @@ void CellCreation::prepare_reference()
                     " 3 ghost yes");
   if (atom->find_custom(kReference, is_double, n_columns) < 0 || !is_double || n_columns != 3)
     error->all(FLERR,
-               "create_cells: the per-atom property biem_reference exists but is not of the form "
-               "d2_biem_reference with 3 columns: remove your fix property/atom, create_cells "
-               "makes its own");
+               command_ + ": the per-atom property biem_reference exists but is not of the form "
+               "d2_biem_reference with 3 columns: remove your fix property/atom, " + command_ +
+               " makes its own");
 }
 
 tagint CellCreation::add(const CellTemplate &cell,
@@ -129,7 +133,7 @@ tagint CellCreation::add(const CellTemplate &cell,
   first_tag++;
   const bigint n_nodes = cell.mesh.nodes.cols(), n_cells = placements.size();
   if (first_tag + n_cells * n_nodes - 1 > MAXTAGINT)
-    error->all(FLERR, "create_cells: the new atom IDs exceed the largest possible one, " +
+    error->all(FLERR, command_ + ": the new atom IDs exceed the largest possible one, " +
                           std::to_string(MAXTAGINT) + "; use LAMMPS compiled with BIGBIG");
 
   // ghosts are overwritten by new atoms, as in create_atoms
@@ -209,7 +213,7 @@ void CellCreation::update_counts(const CellTemplate &cell, bigint n_cells)
   const bigint n_local = atom->nlocal;
   MPI_Allreduce(&n_local, &atom->natoms, 1, MPI_LMP_BIGINT, MPI_SUM, world);
   if (atom->natoms != expected)
-    error->all(FLERR, "create_cells: there are " + std::to_string(atom->natoms) +
+    error->all(FLERR, command_ + ": there are " + std::to_string(atom->natoms) +
                           " atoms instead of " + std::to_string(expected) +
                           ": an atom outside the box was lost or taken by two ranks");
   atom->nangles += n_cells * static_cast<bigint>(cell.mesh.triangles.size());

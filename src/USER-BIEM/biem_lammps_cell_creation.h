@@ -7,11 +7,12 @@
 #include "biem_mesh_topology.h"
 #include "lmptype.h"
 #include "pointers.h"
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
 
-// One cell in its own frame, ready for storage with LAMMPS' second atoms.
+// One cell (or wall) in its own frame, ready for storage with LAMMPS' second atoms.
 struct CellTemplate {
   biem::SurfaceMesh mesh;
   std::vector<biem::Hinge> hinges;
@@ -26,14 +27,16 @@ struct CellLabels {
 };
 
 // All atoms and their angles, taken as triangles. On rank 0; empty on the others. Collective.
-biem::PackingObstacles gather_obstacles(LAMMPS *lmp);
+// command: the name with which messages begin.
+biem::PackingObstacles gather_obstacles(LAMMPS *lmp, const std::string &command);
 
 class CellCreation : protected Pointers {
  public:
-  explicit CellCreation(LAMMPS *lmp) : Pointers(lmp) {}
+  CellCreation(LAMMPS *lmp, const std::string &command) : Pointers(lmp), command_(command) {}
 
-  // Room for the template's angles and dihedrals per atom: made where the box is empty, else an
-  // error with the keywords of create_box. Then the property that stores the reference shape.
+  // Room for the template's angles and dihedrals per atom, and for those of any cell or wall to
+  // come: made where the box is empty, else an error with the keywords of create_box. Then the
+  // property that stores the reference shape.
   void prepare(const CellTemplate &cell);
 
   // Adds the cells; atom IDs follow the largest existing one, cell by cell, node by node.
@@ -51,6 +54,8 @@ class CellCreation : protected Pointers {
   void set_topology(const CellTemplate &cell, const CellLabels &labels, tagint first_tag,
                     tagint n_cells);
   void update_counts(const CellTemplate &cell, bigint n_cells);
+
+  std::string command_;
 };
 
 }    // namespace LAMMPS_NS

@@ -1,17 +1,16 @@
 // Parsing of create_cells: see the header.
 #include "biem_lammps_cell_settings.h"
 #include "biem_error.h"
-#include "error.h"
-#include "pointers.h"
-#include "utils.h"
 #include <cmath>
-#include <set>
+#include <map>
 
 namespace LAMMPS_NS {
 
 namespace {
 
 const double kPi = 3.14159265358979323846;
+
+constexpr double kBeadRadius = 0.532;    // diameter 3 um, in radii of a red cell of 2.82 um
 
 // The shape's own numbers; 0: not given.
 struct ShapeArguments {
@@ -20,9 +19,17 @@ struct ShapeArguments {
   std::string edge;
 };
 
-class CellArguments : protected Pointers {
+// Which keywords give the size of which shape.
+const std::map<std::string, std::string> kSizeKeywords = {
+    {"rbc", "radius"}, {"sphere", "radius"}, {"platelet", "diameter thickness edge"},
+    {"bead", "radius diameter"}, {"mesh", "radius scale"}};
+
+class CellArguments : public CommandArguments {
  public:
-  CellArguments(LAMMPS *lmp, int narg, char **arg) : Pointers(lmp), narg_(narg), arg_(arg) {}
+  CellArguments(LAMMPS *lmp, int narg, char **arg) :
+      CommandArguments(lmp, "create_cells", narg, arg)
+  {
+  }
 
   CellSettings parse();
 
@@ -32,47 +39,9 @@ class CellArguments : protected Pointers {
   bool parse_placement(const std::string &keyword);
   void parse_orientation();
   void check_complete();
+  void check_size();
   std::unique_ptr<biem::Shape> make_shape();
 
-  bool is_done() const { return next_ >= narg_; }
-  [[noreturn]] void fail(const std::string &what)
-  {
-    error->all(FLERR, "create_cells: " + what);
-    throw biem::Error("unreachable: LAMMPS' error handler returned");
-  }
-  std::string word(const std::string &keyword)
-  {
-    if (is_done()) fail("keyword '" + keyword + "' ends too early: a value is missing");
-    return arg_[next_++];
-  }
-  double number(const std::string &keyword)
-  {
-    word(keyword);
-    return utils::numeric(FLERR, arg_[next_ - 1], false, lmp);
-  }
-  double positive(const std::string &keyword)
-  {
-    const double value = number(keyword);
-    if (!(value > 0.0) || !std::isfinite(value))
-      fail(keyword + " " + std::string(arg_[next_ - 1]) + " must be a positive number");
-    return value;
-  }
-  int integer(const std::string &keyword)
-  {
-    word(keyword);
-    return utils::inumeric(FLERR, arg_[next_ - 1], false, lmp);
-  }
-  int positive_integer(const std::string &keyword)
-  {
-    const int value = integer(keyword);
-    if (value < 1) fail(keyword + " " + std::to_string(value) + " must be 1 or more");
-    return value;
-  }
-
-  int narg_;
-  char **arg_;
-  int next_ = 0;
-  std::set<std::string> seen_;
   ShapeArguments shape_;
   CellSettings settings_;
 };
@@ -80,14 +49,13 @@ class CellArguments : protected Pointers {
 CellSettings CellArguments::parse()
 {
   shape_.name = word("create_cells");
-  if (shape_.name != "rbc" && shape_.name != "sphere" && shape_.name != "platelet")
-    fail("unknown shape '" + shape_.name + "': choose rbc, sphere or platelet");
-  while (!is_done()) {
-    const std::string keyword = arg_[next_++];
-    if (!seen_.insert(keyword).second) fail("keyword '" + keyword + "' is given twice");
-    parse_keyword(keyword);
-  }
+  if (!kSizeKeywords.count(shape_.name))
+    fail("unknown shape '" + shape_.name + "': choose rbc, sphere, platelet, bead or mesh");
+  if (shape_.name == "mesh") settings_.mesh_file = word("mesh");
+  while (!is_done()) parse_keyword(keyword());
   check_complete();
+  check_size();
+  if (shape_.name == "mesh") return std::move(settings_);
   try {
     settings_.shape = make_shape();
     biem::compute_icosphere_frequency(settings_.n_nodes);
@@ -99,7 +67,9 @@ CellSettings CellArguments::parse()
 
 void CellArguments::parse_keyword(const std::string &keyword)
 {
-  if (parse_shape_keyword(keyword) || parse_placement(keyword)) return;
+  if (parse_shape_keyword(keyword) || parse_placement(keyword) ||
+      parse_label(keyword, settings_.labels))
+    return;
   if (keyword == "nodes") {
     settings_.n_nodes = positive_integer(keyword);
   } else if (keyword == "orientation") {
@@ -109,18 +79,10 @@ void CellArguments::parse_keyword(const std::string &keyword)
   } else if (keyword == "gap") {
     settings_.gap = number(keyword);
     if (!(settings_.gap >= 0.0)) fail("gap must be 0 or a positive length");
-  } else if (keyword == "type") {
-    settings_.type = positive_integer(keyword);
-  } else if (keyword == "angle_type") {
-    settings_.angle_type = positive_integer(keyword);
   } else if (keyword == "dihedral_type") {
     settings_.dihedral_type = positive_integer(keyword);
-  } else if (keyword == "molecule") {
-    settings_.first_molecule = positive_integer(keyword);
-  } else if (keyword == "group") {
-    settings_.group = word(keyword);
   } else {
-    fail("unknown keyword '" + keyword + "': allowed are radius, diameter, thickness, edge, "
+    fail("unknown keyword '" + keyword + "': allowed are radius, diameter, thickness, edge, scale, "
          "nodes, single, random, hematocrit, orientation, roll, gap, type, angle_type, "
          "dihedral_type, molecule, group");
   }
@@ -128,15 +90,14 @@ void CellArguments::parse_keyword(const std::string &keyword)
 
 bool CellArguments::parse_shape_keyword(const std::string &keyword)
 {
-  const bool is_size_of_round = keyword == "radius";
-  const bool is_size_of_disc =
-      keyword == "diameter" || keyword == "thickness" || keyword == "edge";
-  if (!is_size_of_round && !is_size_of_disc) return false;
-  if (is_size_of_round && shape_.name == "platelet")
-    fail("radius does not belong to platelet: give diameter and thickness");
-  if (is_size_of_disc && shape_.name != "platelet")
-    fail(keyword + " does not belong to " + shape_.name + ": give radius");
+  if (keyword != "radius" && keyword != "diameter" && keyword != "thickness" &&
+      keyword != "edge" && keyword != "scale")
+    return false;
+  const std::string &own = kSizeKeywords.at(shape_.name);
+  if (own.find(keyword) == std::string::npos)
+    fail(keyword + " does not belong to " + shape_.name + ", which takes: " + own);
   if (keyword == "radius") shape_.radius = positive(keyword);
+  if (keyword == "scale") settings_.mesh_scale = positive(keyword);
   if (keyword == "diameter") shape_.diameter = positive(keyword);
   if (keyword == "thickness") shape_.thickness = positive(keyword);
   if (keyword == "edge") {
@@ -179,7 +140,7 @@ void CellArguments::parse_orientation()
     settings_.orientation = CellSettings::Orientation::Random;
     return;
   }
-  next_--;
+  step_back();
   settings_.orientation = CellSettings::Orientation::Axis;
   for (int k = 0; k < 3; k++) settings_.axis[k] = number("orientation ex ey ez");
   if (!(settings_.axis.norm() > 0.0)) fail("orientation 0 0 0 is no direction");
@@ -189,7 +150,7 @@ void CellArguments::check_complete()
 {
   using Placement = CellSettings::Placement;
   using Orientation = CellSettings::Orientation;
-  if (settings_.n_nodes == 0)
+  if (settings_.n_nodes == 0 && shape_.name != "mesh")
     fail("keyword nodes is missing: give the nodes per cell, 10 f^2 + 2, e.g. nodes 642");
   if (settings_.placement == Placement::None)
     fail("a placement is missing: give 'single x y z', 'random count seed' or "
@@ -199,10 +160,23 @@ void CellArguments::check_complete()
     fail("orientation random needs a seed: place the cell with 'random 1 seed' or give its axis");
   if (settings_.orientation == Orientation::Default)
     settings_.orientation = is_single ? Orientation::Axis : Orientation::Random;
-  if (seen_.count("roll") && settings_.orientation == Orientation::Random)
+  if (has("roll") && settings_.orientation == Orientation::Random)
     fail("roll turns a cell about a given axis: give 'orientation ex ey ez' as well");
+}
+
+void CellArguments::check_size()
+{
+  if (shape_.name == "bead" && shape_.radius > 0.0 && shape_.diameter > 0.0)
+    fail("both radius and diameter are given: give one of them");
   if (shape_.name == "platelet" && (shape_.diameter == 0.0 || shape_.thickness == 0.0))
     fail("platelet needs diameter and thickness");
+  if (shape_.name != "mesh") return;
+  if (settings_.placement != CellSettings::Placement::Single)
+    fail("a mesh from a file can be placed with 'single x y z' only: random placement knows bodies "
+         "of revolution; repeat the command for each body");
+  if (settings_.n_nodes > 0) fail("nodes does not belong to mesh: the file has its own");
+  if (has("radius") && has("scale")) fail("both radius and scale are given: give one of them");
+  settings_.mesh_radius = shape_.radius;
 }
 
 std::unique_ptr<biem::Shape> CellArguments::make_shape()
@@ -210,6 +184,10 @@ std::unique_ptr<biem::Shape> CellArguments::make_shape()
   if (shape_.name == "platelet")
     return shape_.edge == "rounded" ? biem::make_rounded_disc(shape_.diameter, shape_.thickness)
                                     : biem::make_spheroid(shape_.diameter, shape_.thickness);
+  if (shape_.name == "bead") {
+    const double radius = shape_.diameter > 0.0 ? 0.5 * shape_.diameter : shape_.radius;
+    return biem::make_sphere(radius > 0.0 ? radius : kBeadRadius);
+  }
   const double radius = shape_.radius > 0.0 ? shape_.radius : 1.0;
   return shape_.name == "rbc" ? biem::make_red_cell(radius) : biem::make_sphere(radius);
 }

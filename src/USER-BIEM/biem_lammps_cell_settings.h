@@ -2,8 +2,8 @@
 #ifndef BIEM_LAMMPS_CELL_SETTINGS_H
 #define BIEM_LAMMPS_CELL_SETTINGS_H
 
+#include "biem_lammps_command_arguments.h"
 #include "biem_mesh_shape.h"
-#include "lmptype.h"
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -16,7 +16,10 @@ struct CellSettings {
   enum class Placement { None, Single, Random, Hematocrit };
   enum class Orientation { Default, Random, Axis };
 
-  std::unique_ptr<biem::Shape> shape;
+  std::unique_ptr<biem::Shape> shape;        // none: a mesh from a file
+  std::string mesh_file;
+  double mesh_scale = 1.0;                   // of the lengths in the file
+  double mesh_radius = 0.0;                  // of the sphere of equal volume; 0: not given
   int n_nodes = 0;
   Placement placement = Placement::None;
   biem::Vec3 center = biem::Vec3::Zero();    // single
@@ -27,9 +30,8 @@ struct CellSettings {
   biem::Vec3 axis = biem::Vec3::UnitZ();
   double roll = 0.0;              // rad, about the axis
   double gap = -1.0;              // length; negative: not given
-  int type = 1, angle_type = 1, dihedral_type = 1;
-  tagint first_molecule = 0;      // 0: the next free one
-  std::string group;              // empty: none besides all
+  SurfaceLabels labels;
+  int dihedral_type = 1;
 };
 
 // Stops through error->all() with what is wrong and what is allowed.

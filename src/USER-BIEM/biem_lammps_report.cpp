@@ -48,9 +48,9 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldPa
                            const double cutoffs[2])
 {
   std::string text =
-      fmt::format("Fix biem: {} cells, {} nodes, {} triangles, {} tracers\n", s.n_surfaces,
-                  s.n_nodes, s.n_triangles, lmp->atom->natoms - s.n_nodes);
-  text += "  viscosity ratio 1: one evaluation of the single layer per step, nothing to solve\n";
+      fmt::format("Fix biem: {} surfaces, {} nodes, {} triangles, {} points in the flow\n",
+                  s.n_surfaces, s.n_nodes, s.n_triangles, lmp->atom->natoms - s.n_nodes);
+  text += biem::describe_blocks(s.blocks);
   text += "  " + describe_units(lmp->update->unit_style) + "\n";
   text += fmt::format("  periodic sum ({}): requested error {:.2g}, expected {:.2g}\n"
                       "    cutoff {:.4g}, band limit {:.4g}, grid {} x {} x {}, window order {}\n",
@@ -59,10 +59,10 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldPa
   text += warn_of_error(p);
   if (s.n_surfaces > 0) {
     const double nodes = static_cast<double>(s.n_nodes) / s.n_surfaces;
-    text +=
-        fmt::format("  surfaces: {:.0f} nodes a cell, longest edge {:.4g}; expected error with a "
-                    "smooth traction {:.2g} %\n",
-                    nodes, s.longest_edge, kSmoothErrorPercent * kSmoothErrorNodes / nodes);
+    text += fmt::format(
+        "  surfaces: {:.0f} nodes a surface, longest edge {:.4g}; expected error with a "
+        "smooth traction {:.2g} %\n",
+        nodes, s.longest_edge, kSmoothErrorPercent * kSmoothErrorNodes / nodes);
   }
   text += fmt::format("  communication cutoff {:.4g}, near list cutoff {:.4g}\n", cutoffs[0],
                       cutoffs[1]);

@@ -16,14 +16,13 @@ namespace LAMMPS_NS {
 
 namespace {
 
-// Keywords that belong to the full boundary-integral equation but are not part of this version.
-const std::map<std::string, std::string> kRefused = {
-    {"viscosity/ratio", "cells have the viscosity of the suspending fluid (ratio 1)"},
-    {"rigid", "rigid particles are not available: make every surface a deformable cell"},
-    {"wall", "walls are not available: the box is periodic in x, y and z"},
-    {"probes", "use 'tracers' with 'run 0' for velocities at given points"}};
+// Keywords that may be given more than once.
+const std::set<std::string> kRepeatable = {"cells", "rigid", "wall"};
+// Residual of the coupled system, of the accuracy that the periodic sum is asked for.
+constexpr double kSolverShare = 0.1;
 
 constexpr int kMostGridPoints = 4096;    // along one axis
+constexpr int kMostIterations = 10000;
 
 // A cursor over the arguments that knows how to complain.
 class Arguments : protected Pointers {
@@ -37,6 +36,13 @@ class Arguments : protected Pointers {
       error->all(FLERR, "Fix biem: keyword '" + keyword +
                             "' ends too early: a value is missing (see the page of fix biem)");
     return arg_[next_++];
+  }
+  // Takes the next word if it is this one.
+  bool takes(const std::string &option)
+  {
+    if (is_done() || option != arg_[next_]) return false;
+    next_++;
+    return true;
   }
   double number(const std::string &keyword)
   {
@@ -69,7 +75,14 @@ class Arguments : protected Pointers {
            "' does not exist: define it with the group command first");
     return name;
   }
-  void fail(const std::string &what) { error->all(FLERR, "Fix biem: " + what); }
+  biem::Vec3 vector(const std::string &keyword)
+  {
+    biem::Vec3 value;
+    for (int a = 0; a < 3; a++)
+      value[a] = number(keyword);
+    return value;
+  }
+  [[noreturn]] void fail(const std::string &what) { error->all(FLERR, "Fix biem: " + what); }
 
  private:
   int narg_;
@@ -84,17 +97,68 @@ void parse_flow(Arguments &arguments, FixBiemSettings &s)
     s.flow = FixBiemSettings::Flow::None;
   } else if (kind == "mean") {
     s.flow = FixBiemSettings::Flow::Mean;
-    for (int a = 0; a < 3; a++)
-      s.background.mean[a] = arguments.number("flow mean");
+    s.conditions.flow.mean = arguments.vector("flow mean");
+  } else if (kind == "pressure/drop") {
+    s.flow = FixBiemSettings::Flow::PressureDrop;
+    s.suspension.drive = biem::Drive::PressureDrop;
+    s.conditions.pressure_drop = arguments.vector("flow pressure/drop");
   } else if (kind == "shear") {
     const std::string plane = arguments.word("flow shear");
     if (plane != "xz")
       arguments.fail("flow shear " + plane +
                      ": the shear is u = (rate z, 0, 0), so only 'shear xz <rate>' is allowed");
     s.flow = FixBiemSettings::Flow::Shear;
-    s.background.shear_rate = arguments.number("flow shear xz");
+    s.conditions.flow.set_shear(arguments.number("flow shear xz"));
   } else {
-    arguments.fail("unknown flow '" + kind + "': choose none, mean ux uy uz, or shear xz rate");
+    arguments.fail("unknown flow '" + kind +
+                   "': choose none, mean ux uy uz, pressure/drop gx gy gz, or shear xz rate");
+  }
+}
+
+SurfaceGroup parse_surfaces(Arguments &arguments, const std::string &keyword)
+{
+  SurfaceGroup g;
+  g.name = arguments.group_name(keyword);
+  if (keyword == "cells") {
+    if (arguments.takes("viscosity/ratio"))
+      g.viscosity_ratio = arguments.positive("viscosity/ratio");
+  } else if (keyword == "wall") {
+    g.kind = biem::SurfaceKind::Wall;
+    if (arguments.takes("velocity")) g.velocity = arguments.vector("wall velocity");
+  } else {
+    g.kind = biem::SurfaceKind::Rigid;
+    if (arguments.takes("force")) g.force = arguments.vector("rigid force");
+    if (arguments.takes("torque")) g.torque = arguments.vector("rigid torque");
+  }
+  return g;
+}
+
+// The part of the atoms that no keyword names are cells, unless cells are named.
+void complete_surfaces(Arguments &arguments, bool has_ratio, double ratio, FixBiemSettings &s)
+{
+  std::set<std::string> names;
+  bool has_cells = false;
+  for (const SurfaceGroup &g : s.surfaces) {
+    if (!names.insert(g.name).second)
+      arguments.fail("group '" + g.name + "' is named twice: each group has one kind of surfaces");
+    has_cells = has_cells || g.kind == biem::SurfaceKind::Cell;
+  }
+  if (has_cells && has_ratio)
+    arguments.fail("viscosity/ratio stands alone, but cells are named: give it after the group, "
+                   "'cells <group> viscosity/ratio <ratio>'");
+  if (has_cells) return;
+  SurfaceGroup rest;
+  rest.viscosity_ratio = ratio;
+  s.surfaces.push_back(rest);
+}
+
+void parse_solver_keyword(Arguments &arguments, const std::string &keyword, FixBiemSettings &s)
+{
+  if (keyword == "solver/tolerance") {
+    s.suspension.control.tolerance = arguments.positive(keyword);
+    if (s.suspension.control.tolerance >= 1.0) arguments.fail(keyword + " must be less than 1");
+  } else {
+    s.suspension.control.max_iterations = arguments.integer(keyword, 1, kMostIterations);
   }
 }
 
@@ -115,8 +179,12 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
   } else if (keyword == "grid") {
     for (int &n : s.grid)
       n = arguments.integer(keyword, 4, kMostGridPoints);
-  } else if (keyword == "cells") {
-    s.cells = arguments.group_name(keyword);
+  } else if (kRepeatable.count(keyword)) {
+    s.surfaces.push_back(parse_surfaces(arguments, keyword));
+  } else if (keyword == "probes") {
+    s.probes = arguments.group_name(keyword);
+  } else if (keyword == "solver/tolerance" || keyword == "solver/iterations") {
+    parse_solver_keyword(arguments, keyword, s);
   } else if (keyword == "tracers") {
     s.tracers = arguments.group_name(keyword);
   } else if (keyword == "stepper") {
@@ -127,15 +195,12 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     s.ewald = biem::parse_ewald_method(arguments.word(keyword));
   } else if (keyword == "tune") {
     s.tuning = biem::parse_ewald_tuning(arguments.word(keyword));
-  } else if (kRefused.count(keyword)) {
-    arguments.fail("keyword '" + keyword +
-                   "' is not part of this version: " + kRefused.at(keyword));
   } else {
     arguments.fail(
         "unknown keyword '" + keyword +
-        "': allowed are viscosity, accuracy, flow, cells, tracers, stepper, traction, ewald, "
-        "tune, "
-        "cutoff, splitting, order, grid");
+        "': allowed are viscosity, accuracy, flow, viscosity/ratio, cells, rigid, wall, tracers, "
+        "probes, stepper, traction, solver/tolerance, solver/iterations, ewald, tune, cutoff, "
+        "splitting, order, grid");
   }
 }
 
@@ -146,11 +211,19 @@ FixBiemSettings parse_fix_biem(LAMMPS *lmp, int narg, char **arg)
   FixBiemSettings s;
   Arguments arguments(lmp, narg, arg);
   std::set<std::string> given;
+  double ratio = 1.0;
   while (!arguments.is_done()) {
     const std::string keyword = arguments.word("fix biem");
-    if (!given.insert(keyword).second) arguments.fail("keyword '" + keyword + "' is given twice");
+    if (!given.insert(keyword).second && !kRepeatable.count(keyword))
+      arguments.fail("keyword '" + keyword + "' is given twice" +
+                     (keyword == "flow" ? ": the flow is driven in one way, for instance by a mean "
+                                          "velocity or by a pressure drop"
+                                        : ""));
     try {
-      parse_keyword(arguments, keyword, s);
+      if (keyword == "viscosity/ratio")
+        ratio = arguments.positive(keyword);
+      else
+        parse_keyword(arguments, keyword, s);
     } catch (const biem::Error &e) {
       arguments.fail(e.what());
     }
@@ -159,6 +232,8 @@ FixBiemSettings parse_fix_biem(LAMMPS *lmp, int narg, char **arg)
     if (!given.count(needed))
       arguments.fail(std::string("keyword '") + needed +
                      "' is missing: fix ID group biem viscosity mu accuracy tolerance flow ...");
+  complete_surfaces(arguments, given.count("viscosity/ratio") > 0, ratio, s);
+  if (!given.count("solver/tolerance")) s.suspension.control.tolerance = kSolverShare * s.accuracy;
   s.suspension.viscosity = s.viscosity * viscosity_factor(lmp);
   return s;
 }

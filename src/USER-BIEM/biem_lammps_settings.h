@@ -3,7 +3,7 @@
 #define BIEM_LAMMPS_SETTINGS_H
 
 #include "biem_ewald_tuning.h"
-#include "biem_flow.h"
+#include "biem_lammps_topology.h"
 #include "biem_stepper.h"
 #include "biem_suspension.h"
 #include "lmptype.h"
@@ -14,7 +14,7 @@ namespace LAMMPS_NS {
 class LAMMPS;
 
 struct FixBiemSettings {
-  enum class Flow { None, Mean, Shear };
+  enum class Flow { None, Mean, Shear, PressureDrop };
 
   biem::SuspensionSettings suspension;    // viscosity already in force * time / length^2
   double viscosity = 0.0;                 // as given, in the unit of the unit style
@@ -26,9 +26,11 @@ struct FixBiemSettings {
   int order = 0;
   std::array<int, 3> grid{};
   Flow flow = Flow::None;
-  biem::BackgroundFlow background;
+  biem::Conditions conditions;
   biem::Stepper stepper = biem::Stepper::AdamsBashforth2;
-  std::string cells, tracers;    // group names; empty: all atoms of the fix / none
+  // Groups of surfaces by name, bits not set; cells without a name: all atoms in no other group.
+  std::vector<SurfaceGroup> surfaces;
+  std::string tracers, probes;    // group names; empty: none
 };
 
 // Stops through error->all() with what is wrong and what is allowed.

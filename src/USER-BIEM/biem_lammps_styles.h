@@ -7,6 +7,7 @@
 #include "angle_biem_skalak.h"
 #include "compute_biem_cell.h"
 #include "create_cells.h"
+#include "create_wall.h"
 #include "dihedral_biem_bend.h"
 #include "fix_biem.h"
 
@@ -15,7 +16,8 @@
   STYLE(dihedral, "biem/bend", Dihedral, DihedralBiemBend)            \
   STYLE(compute, "biem/cell", Compute, ComputeBiemCell)               \
   STYLE(fix, "biem", Fix, FixBiem)                                    \
-  STYLE(command, "create_cells", Command, CreateCells)
+  STYLE(command, "create_cells", Command, CreateCells)                \
+  STYLE(command, "create_wall", Command, CreateWall)
 
 namespace LAMMPS_NS {
 

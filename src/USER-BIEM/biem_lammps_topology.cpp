@@ -1,6 +1,7 @@
 // Distributed survey of the meshes: see the header.
 #include "biem_lammps_topology.h"
 #include "atom.h"
+#include "biem_lammps_compat.h"
 #include "biem_types.h"
 #include "comm.h"
 #include "domain.h"
@@ -8,6 +9,7 @@
 #include "pointers.h"
 #include "update.h"
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -15,6 +17,33 @@
 #include <unordered_map>
 
 namespace LAMMPS_NS {
+
+int NodeGroups::find_surface(int mask) const
+{
+  if (!(mask & fix_bit) || is_tracer(mask) || is_probe(mask)) return -1;
+  int rest = -1;
+  for (size_t g = 0; g < surfaces.size(); g++) {
+    if (surfaces[g].name.empty())
+      rest = static_cast<int>(g);
+    else if (mask & surfaces[g].bit)
+      return static_cast<int>(g);
+  }
+  return rest;
+}
+
+int NodeGroups::count_groups(int mask) const
+{
+  int n = is_tracer(mask) + is_probe(mask);
+  for (const SurfaceGroup &g : surfaces)
+    n += !g.name.empty() && (mask & fix_bit) && (mask & g.bit);
+  return n;
+}
+
+biem::SurfaceKind NodeGroups::kind(int mask) const
+{
+  const int g = find_surface(mask);
+  return g < 0 ? biem::SurfaceKind::None : surfaces[g].kind;
+}
 
 namespace {
 
@@ -56,6 +85,13 @@ std::vector<T> exchange(MPI_Comm world, const std::vector<std::vector<T>> &outgo
   for (int r = 0; r < n_ranks; r++)
     counts[r] = bytes[r] / static_cast<int>(sizeof(T));
   return received;
+}
+
+// Kinds of surfaces in messages.
+std::string name_of(biem::SurfaceKind kind)
+{
+  if (kind == biem::SurfaceKind::Rigid) return "rigid particle";
+  return kind == biem::SurfaceKind::Wall ? "wall" : "cell";
 }
 
 class Surveyor : protected Pointers {
@@ -113,27 +149,60 @@ class Surveyor : protected Pointers {
     int64_t none = kNone, both = kNone, molecule = kNone;
     for (const auto &entry : records_) {
       const AtomRecord &r = entry.second;
-      const bool cell = groups_.is_cell(r.mask), tracer = groups_.is_tracer(r.mask);
-      if (!cell && !tracer) none = std::min(none, r.tag);
-      if (groups_.cells == NodeGroups::Cells::Named && tracer && (r.mask & groups_.cells_bit))
-        both = std::min(both, r.tag);
-      if (cell && r.molecule <= 0) molecule = std::min(molecule, r.tag);
-      if (cell) survey_.n_cells = std::max(survey_.n_cells, static_cast<int>(r.molecule));
+      const bool is_node = groups_.find_surface(r.mask) >= 0;
+      const bool is_point = groups_.is_tracer(r.mask) || groups_.is_probe(r.mask);
+      if (!is_node && !is_point) none = std::min(none, r.tag);
+      if (groups_.count_groups(r.mask) > 1) both = std::min(both, r.tag);
+      if (is_node && r.molecule <= 0) molecule = std::min(molecule, r.tag);
+      if (is_node)
+        survey_.n_molecules = std::max(survey_.n_molecules, static_cast<int>(r.molecule));
     }
     fail_if(smallest(none), "atom",
-            "is neither in the cells nor in the tracers of fix biem, or not in "
-            "the group of the fix itself: every "
-            "atom must be in exactly one of these groups");
+            "is in none of the groups of fix biem (cells, rigid, wall, tracers, probes), or not in "
+            "the group of the fix itself: every atom must be in exactly one of these groups");
     fail_if(smallest(both), "atom",
-            "is in the cells and in the tracers of fix biem: the groups "
+            "is in two of the groups of fix biem (cells, rigid, wall, tracers, probes): the groups "
             "must not overlap");
     fail_if(smallest(molecule), "atom",
-            "is a mesh node without a molecule id: number the cells "
+            "is a mesh node without a molecule id: number the surfaces "
             "1, 2, ... with the molecule id");
     int largest;
-    MPI_Allreduce(&survey_.n_cells, &largest, 1, MPI_INT, MPI_MAX, world);
-    survey_.n_cells = largest;
+    MPI_Allreduce(&survey_.n_molecules, &largest, 1, MPI_INT, MPI_MAX, world);
+    survey_.n_molecules = largest;
     survey_.volumes.assign(largest, 0.0);
+    find_groups();
+  }
+
+  // All nodes of one molecule are in one group.
+  void find_groups()
+  {
+    const size_t n = survey_.n_molecules;
+    std::vector<int> range(2 * n, -1), all(2 * n);    // largest group, largest -group, by molecule
+    for (size_t m = 0; m < n; m++)
+      range[2 * m + 1] = INT_MIN;
+    for (const auto &entry : records_) {
+      const int g = groups_.find_surface(entry.second.mask);
+      if (g < 0) continue;
+      int *r = &range[2 * (entry.second.molecule - 1)];
+      r[0] = std::max(r[0], g);
+      r[1] = std::max(r[1], -g);
+    }
+    MPI_Allreduce(range.data(), all.data(), static_cast<int>(2 * n), MPI_INT, MPI_MAX, world);
+    survey_.group.resize(n);
+    for (size_t m = 0; m < n; m++) {
+      survey_.group[m] = all[2 * m];
+      if (all[2 * m] >= 0 && all[2 * m] != -all[2 * m + 1])
+        error->all(FLERR, "Fix biem: the nodes of molecule " + std::to_string(m + 1) +
+                              " are in different groups of fix biem: all nodes of one surface must "
+                              "be in the same one");
+    }
+  }
+
+  biem::SurfaceKind kind_of(int64_t molecule) const
+  {
+    const int g = molecule >= 1 && molecule <= survey_.n_molecules ? survey_.group[molecule - 1]
+                                                                   : -1;
+    return g < 0 ? biem::SurfaceKind::None : groups_.surfaces[g].kind;
   }
 
   void fail_if(int64_t who, const std::string &kind, const std::string &what)
@@ -186,14 +255,21 @@ class Surveyor : protected Pointers {
   {
     int64_t mixed = kNone, tracer = kNone;
     double longest[2] = {0.0, 0.0};
-    std::vector<double> volumes(survey_.n_cells, 0.0);
+    std::vector<double> volumes(survey_.n_molecules, 0.0);
     for (size_t t = 0; t < corners.size(); t += 3) {
       biem::Vec3 x[3];
       for (int v = 0; v < 3; v++) {
         const AtomRecord &r = corners[t + v];
         x[v] = biem::Vec3(r.x[0], r.x[1], r.x[2]);
-        if (!groups_.is_cell(r.mask)) tracer = std::min(tracer, r.tag);
+        if (groups_.find_surface(r.mask) < 0) tracer = std::min(tracer, r.tag);
         if (r.molecule != corners[t].molecule) mixed = std::min(mixed, r.tag);
+      }
+      const int64_t molecule = corners[t].molecule;
+      const bool is_wall = kind_of(molecule) == biem::SurfaceKind::Wall;
+      for (int v = 1; is_wall && v < 3; v++) {    // walls cross the box: the closest images
+        biem::Vec3 d = x[v] - x[0];
+        BiemCompat::minimum_image(domain, d.data());
+        x[v] = x[0] + d;
       }
       double sum = 0.0;
       for (int v = 0; v < 3; v++) {
@@ -202,13 +278,12 @@ class Surveyor : protected Pointers {
         sum += edge;
       }
       longest[1] = std::max(longest[1], sum / 3.0);
-      const int64_t molecule = corners[t].molecule;
-      if (molecule >= 1 && molecule <= survey_.n_cells)
+      if (molecule >= 1 && molecule <= survey_.n_molecules && !is_wall)
         volumes[molecule - 1] += x[0].dot(x[1].cross(x[2])) / 6.0;
     }
     fail_if(smallest(tracer), "atom",
-            "is a vertex of a triangle (angle) but not in the cells of "
-            "fix biem: put all nodes of a surface into that group");
+            "is a vertex of a triangle (angle) but not in the cells, rigid particles or walls of "
+            "fix biem: put all nodes of a surface into one of these groups");
     fail_if(smallest(mixed), "atom",
             "has another molecule id than a neighbor in its triangle: all "
             "nodes of one surface must have the same molecule id");
@@ -216,7 +291,7 @@ class Surveyor : protected Pointers {
     MPI_Allreduce(longest, all, 2, MPI_DOUBLE, MPI_MAX, world);
     survey_.longest_edge = all[0];
     survey_.longest_mean_edge = all[1];
-    MPI_Allreduce(volumes.data(), survey_.volumes.data(), survey_.n_cells, MPI_DOUBLE, MPI_SUM,
+    MPI_Allreduce(volumes.data(), survey_.volumes.data(), survey_.n_molecules, MPI_DOUBLE, MPI_SUM,
                   world);
     bigint n = static_cast<bigint>(corners.size() / 3);
     MPI_Allreduce(&n, &survey_.n_triangles, 1, MPI_LMP_BIGINT, MPI_SUM, world);
@@ -240,14 +315,16 @@ class Surveyor : protected Pointers {
     int64_t open = kNone, crowded = kNone, turned = kNone;
     for (const auto &entry : edges) {
       const std::vector<DirectedEdge> &e = entry.second;
+      if (kind_of(e[0].molecule) == biem::SurfaceKind::Wall) continue;    // may be open, or cross
       if (e.size() == 1) open = std::min(open, e[0].molecule);
       if (e.size() > 2) crowded = std::min(crowded, e[0].molecule);
       if (e.size() == 2 && e[0].direction == e[1].direction)
         turned = std::min(turned, e[0].molecule);
     }
-    fail_if(smallest(open), "the surface of molecule",
-            "is open: one of its edges belongs to a single triangle, but a cell must be closed; "
-            "check the angles of the data file");
+    const int64_t hole = smallest(open);
+    fail_if(hole, "the surface of molecule",
+            "is open: one of its edges belongs to a single triangle, but a " +
+                name_of(kind_of(hole)) + " must be closed; check the angles of the data file");
     fail_if(smallest(crowded), "the surface of molecule",
             "has an edge with more than two triangles: check the angles of the data file, and that "
             "no triangle is listed twice");
@@ -258,30 +335,39 @@ class Surveyor : protected Pointers {
 
   void check_vertices()
   {
-    int64_t loose = kNone, tracer = kNone;
-    bigint n = 0;
+    int64_t loose = kNone, point = kNone;
+    long counts[4] = {}, all[4];
     for (const auto &entry : records_) {
       const AtomRecord &r = entry.second;
-      if (groups_.is_cell(r.mask) && !r.is_vertex) loose = std::min(loose, r.tag);
-      if (groups_.is_tracer(r.mask) && r.is_vertex) tracer = std::min(tracer, r.tag);
-      n += r.is_vertex;
+      const int g = groups_.find_surface(r.mask);
+      if (g >= 0 && !r.is_vertex) loose = std::min(loose, r.tag);
+      if (g < 0 && r.is_vertex) point = std::min(point, r.tag);
+      if (g < 0) continue;
+      const SurfaceGroup &group = groups_.surfaces[g];
+      counts[group.kind == biem::SurfaceKind::Rigid  ? 2
+             : group.kind == biem::SurfaceKind::Wall ? 3
+             : group.viscosity_ratio == 1.0          ? 0
+                                                     : 1]++;
     }
     fail_if(smallest(loose), "atom",
             "is in the cells of fix biem but in no triangle (angle): give it to a group and name "
-            "that group with the keyword 'tracers', or delete it");
-    fail_if(smallest(tracer), "atom", "is a tracer of fix biem but a vertex of a triangle");
-    MPI_Allreduce(&n, &survey_.n_nodes, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+            "that group with the keyword 'tracers' or 'probes', or delete it");
+    fail_if(smallest(point), "atom", "is a tracer or probe of fix biem but a vertex of a triangle");
+    MPI_Allreduce(counts, all, 4, MPI_LONG, MPI_SUM, world);
+    survey_.blocks = {all[0], all[1], all[2], all[3]};
+    survey_.n_nodes = all[0] + all[1] + all[2] + all[3];
   }
 
   void check_volumes()
   {
-    for (double volume : survey_.volumes) survey_.n_surfaces += volume != 0.0;
-    for (int c = 0; c < survey_.n_cells; c++)
+    for (int c = 0; c < survey_.n_molecules; c++) {
+      survey_.n_surfaces += survey_.group[c] >= 0;
       if (survey_.volumes[c] < 0.0)
         error->all(FLERR, "Fix biem: the surface of molecule " + std::to_string(c + 1) +
                               " is turned inside out (volume " +
                               std::to_string(survey_.volumes[c]) +
                               "): list the nodes of each angle counter-clockwise from outside");
+    }
   }
 
   NodeGroups groups_;

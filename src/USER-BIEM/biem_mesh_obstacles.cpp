@@ -2,6 +2,8 @@
 // Does not know how the surfaces came there nor what is placed between them.
 #include "biem_mesh_obstacles.h"
 
+#include "biem_mesh_topology.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -37,17 +39,32 @@ Vec3 compute_nearest_weights(const Vec3 &p, const Vec3 &a, const Vec3 &b, const 
   return Vec3(va, vb, vc) / (va + vb + vc);
 }
 
+// Whether the line from p - arm to p goes through the triangle (Moeller & Trumbore, J. Graphics
+// Tools 2, 21 (1997)).
+bool is_crossed(const Mat3 &corners, const Vec3 &p, const Vec3 &arm)
+{
+  const Vec3 ab = corners.col(1) - corners.col(0), ac = corners.col(2) - corners.col(0);
+  const Vec3 normal = ab.cross(ac);
+  const double along = normal.dot(arm);
+  const double t = normal.dot(p - corners.col(0)) / along;    // back from p, in units of arm
+  if (!(t >= 0.0 && t <= 1.0)) return false;                  // also where arm is parallel
+  const Vec3 hit = p - t * arm - corners.col(0);
+  const double u = normal.dot(hit.cross(ac)), v = normal.dot(ab.cross(hit));
+  return u >= 0.0 && v >= 0.0 && u + v <= normal.squaredNorm();
+}
+
 }    // namespace
 
 MeshObstacles::MeshObstacles(const MeshLattice &lattice, const Points &nodes,
-                             const std::vector<Triangle> &triangles, double reach) :
+                             const std::vector<Triangle> &triangles, double reach,
+                             Sides sides) :
     lattice_(lattice), nodes_(nodes), largest_radius_(0.0), reach_(reach)
 {
-  make_facets(triangles);
+  make_facets(triangles, sides);
   make_bins();
 }
 
-void MeshObstacles::make_facets(const std::vector<Triangle> &triangles)
+void MeshObstacles::make_facets(const std::vector<Triangle> &triangles, Sides sides)
 {
   Points normals = Points::Zero(3, nodes_.cols());
   for (const Triangle &t : triangles) {
@@ -60,9 +77,14 @@ void MeshObstacles::make_facets(const std::vector<Triangle> &triangles)
     facet.corners << -center, ab - center, ac - center;
     facet.radius = facet.corners.colwise().norm().maxCoeff();
     facet.normals.setZero();
+    facet.is_body = false;
     largest_radius_ = std::max(largest_radius_, facet.radius);
     facets_.push_back(facet);
     for (int node : t) normals.col(node) += ab.cross(ac);
+  }
+  if (sides == Sides::FromTopology) {
+    const auto is_body = find_closed_bodies(triangles, static_cast<int>(nodes_.cols()));
+    for (std::size_t i = 0; i < triangles.size(); i++) facets_[i].is_body = is_body[i];
   }
   for (std::size_t i = 0; i < triangles.size(); i++)
     for (int k = 0; k < 3; k++)
@@ -126,19 +148,40 @@ void MeshObstacles::update_nearest(const Facet &facet, const Vec3 &point, Neares
                                                facet.corners.col(2));
   const Vec3 offset = p - facet.corners * weights;
   const double distance = offset.norm();
-  if (distance < nearest.distance) nearest = {distance, offset, facet.normals * weights};
+  if (distance < nearest.distance) nearest = {distance, offset, facet.normals * weights, &facet};
 }
 
-SignedDistance MeshObstacles::evaluate(const Vec3 &point, double limit) const
+SignedDistance MeshObstacles::evaluate(const Vec3 &point, const Vec3 &arm, double limit) const
 {
-  Nearest nearest = {limit, Vec3::Zero(), Vec3::Zero()};
+  Nearest nearest = {limit, Vec3::Zero(), Vec3::Zero(), nullptr};
   for_each_bin(point, limit + largest_radius_, [&](std::size_t bin) {
     for (int facet : facets_of_bin_[bin]) update_nearest(facets_[facet], point, nearest);
   });
   const double distance = nearest.distance;
   if (distance >= limit) return {limit, Vec3::Zero()};
+  if (!nearest.facet->is_body) {
+    const Mat3 &corners = nearest.facet->corners;
+    const Vec3 plane = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+    const double side = plane.dot(nearest.offset - arm);
+    const Vec3 toward = side < 0.0 ? Vec3(-plane.normalized()) : Vec3(plane.normalized());
+    if (side * plane.dot(nearest.offset) < 0.0) return {-distance, toward};
+    return {distance, distance > 0.0 ? Vec3(nearest.offset / distance) : toward};
+  }
   if (nearest.offset.dot(nearest.normal) < 0.0) return {-distance, nearest.normal.normalized()};
   return {distance, distance > 0.0 ? Vec3(nearest.offset / distance) : nearest.normal};
+}
+
+bool MeshObstacles::intersects(const Vec3 &point, const Vec3 &arm) const
+{
+  bool is_hit = false;
+  for_each_bin(point, arm.norm() + largest_radius_, [&](std::size_t bin) {
+    for (int i : facets_of_bin_[bin]) {
+      const Facet &facet = facets_[i];
+      const Vec3 p = lattice_.wrap_difference(point - 0.5 * arm - facet.center) + 0.5 * arm;
+      is_hit = is_hit || is_crossed(facet.corners, p, arm);
+    }
+  });
+  return is_hit;
 }
 
 std::vector<int> MeshObstacles::find_nodes(const Vec3 &point, double radius) const
@@ -154,8 +197,9 @@ std::vector<int> MeshObstacles::find_nodes(const Vec3 &point, double radius) con
 
 bool MeshObstacles::is_inside(const Vec3 &point) const
 {
-  Nearest nearest = {1e100, Vec3::Zero(), Vec3::Zero()};
-  for (const Facet &facet : facets_) update_nearest(facet, point, nearest);
+  Nearest nearest = {1e100, Vec3::Zero(), Vec3::Zero(), nullptr};
+  for (const Facet &facet : facets_)
+    if (facet.is_body) update_nearest(facet, point, nearest);
   return nearest.offset.dot(nearest.normal) < 0.0;
 }
 

@@ -15,18 +15,25 @@ class MeshObstacles {
  public:
   // nodes: 3 x n in any periodic images; nodes without a triangle are points with no inside.
   // reach: typical limit of evaluate (length); decides the size of the search bins only.
+  // Closed bodies have an inside; all other surfaces (walls), or all where asked, have two sides.
+  enum class Sides { FromTopology, Two };
   MeshObstacles(const MeshLattice &lattice, const Points &nodes,
-                const std::vector<Triangle> &triangles, double reach);
+                const std::vector<Triangle> &triangles, double reach,
+                Sides sides = Sides::FromTopology);
 
   const Points &nodes() const { return nodes_; }
 
-  // To the nearest point of the nearest triangle; negative inside; limit if none is as near.
-  SignedDistance evaluate(const Vec3 &point, double limit) const;
+  // To the nearest point of the nearest triangle; limit if none is as near. Negative inside, and
+  // behind a surface of two sides: where point and point - arm are on different sides of it.
+  SignedDistance evaluate(const Vec3 &point, const Vec3 &arm, double limit) const;
+
+  // Whether the straight line from point - arm to point goes through a triangle.
+  bool intersects(const Vec3 &point, const Vec3 &arm) const;
 
   // Indices of the nodes within radius of the point.
   std::vector<int> find_nodes(const Vec3 &point, double radius) const;
 
-  // Whether the point is inside a surface, however deep. Slow: looks at every triangle.
+  // Whether the point is inside a closed body, however deep. Slow: looks at every triangle.
   bool is_inside(const Vec3 &point) const;
 
  private:
@@ -35,14 +42,16 @@ class MeshObstacles {
     Mat3 corners;    // relative to the center, one per column
     Mat3 normals;    // at the corners: area-weighted means of the triangles there
     double radius;   // of the sphere about the center that holds the corners
+    bool is_body;    // or a surface of two sides
   };
   struct Nearest {
     double distance;
     Vec3 offset;       // from the surface to the point
     Vec3 normal;       // interpolated between the corners
+    const Facet *facet;
   };
 
-  void make_facets(const std::vector<Triangle> &triangles);
+  void make_facets(const std::vector<Triangle> &triangles, Sides sides);
   void make_bins();
   std::array<int, 3> find_bin(const Vec3 &point) const;
   std::size_t compute_bin_index(const std::array<int, 3> &bin) const;

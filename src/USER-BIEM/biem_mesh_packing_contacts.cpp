@@ -103,7 +103,7 @@ void PackingContacts::find_with_obstacles(const RigidPlacement &body, int i)
   const double limit = size_ * (gap_ + 0.1 * table_.bounding_radius());    // sees some overlap
   for (int k = 0; k < samples_.cols(); k++) {
     const Vec3 arm = size_ * (body.rotation * samples_.col(k));
-    const SignedDistance distance = obstacles_.evaluate(body.center + arm, limit);
+    const SignedDistance distance = obstacles_.evaluate(body.center + arm, arm, limit);
     const double penetration = size_ * gap_ - distance.value;
     if (penetration > 0.0) systems_[i].add(arm, distance.normal, penetration);
   }

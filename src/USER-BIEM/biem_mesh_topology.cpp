@@ -64,23 +64,43 @@ void check_edge(const std::pair<int, int> &edge, const EdgeUse &use)
                 "counter-clockwise seen from outside");
 }
 
-int compute_n_pieces(const std::vector<Triangle> &triangles, int n_nodes)
-{
-  std::vector<int> parent(n_nodes);
-  for (int i = 0; i < n_nodes; i++) parent[i] = i;
-  auto find_root = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+// Connected sets of nodes.
+class Pieces {
+ public:
+  Pieces(const std::vector<Triangle> &triangles, int n_nodes) : parent_(n_nodes), n_(n_nodes)
+  {
+    for (int i = 0; i < n_nodes; i++) parent_[i] = i;
+    for (const Triangle &t : triangles)
+      for (int k : {1, 2}) {
+        const int one = find_root(t[0]), other = find_root(t[k]);
+        if (one == other) continue;
+        parent_[one] = other;
+        n_--;
+      }
+  }
+
+  int find_root(int i)
+  {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
-  };
-  int n_pieces = n_nodes;
+  }
+  int count() const { return n_; }
+
+ private:
+  std::vector<int> parent_;
+  int n_;
+};
+
+std::map<std::pair<int, int>, EdgeUse> count_edge_uses(const std::vector<Triangle> &triangles)
+{
+  std::map<std::pair<int, int>, EdgeUse> edges;
   for (const Triangle &t : triangles)
-    for (int k : {1, 2}) {
-      const int one = find_root(t[0]), other = find_root(t[k]);
-      if (one == other) continue;
-      parent[one] = other;
-      n_pieces--;
+    for (int k = 0; k < 3; k++) {
+      const int from = t[k], to = t[(k + 1) % 3];
+      EdgeUse &use = edges[{std::min(from, to), std::max(from, to)}];
+      (from < to ? use.n_forward : use.n_backward)++;
     }
-  return n_pieces;
+  return edges;
 }
 
 // Gives each item to one of its candidate nodes, as evenly as possible: the smallest capacity per
@@ -164,16 +184,10 @@ void check_closed_oriented(const std::vector<Triangle> &triangles, int n_nodes)
 {
   if (triangles.empty()) throw Error("Surface mesh: there are no triangles (angles)");
   check_indices(triangles, n_nodes);
-  std::map<std::pair<int, int>, EdgeUse> edges;
-  for (const Triangle &t : triangles)
-    for (int k = 0; k < 3; k++) {
-      const int from = t[k], to = t[(k + 1) % 3];
-      EdgeUse &use = edges[{std::min(from, to), std::max(from, to)}];
-      (from < to ? use.n_forward : use.n_backward)++;
-    }
+  const auto edges = count_edge_uses(triangles);
   for (const auto &entry : edges) check_edge(entry.first, entry.second);
 
-  const int n_pieces = compute_n_pieces(triangles, n_nodes);
+  const int n_pieces = Pieces(triangles, n_nodes).count();
   if (n_pieces != 1)
     throw Error("Surface mesh: it falls into " + std::to_string(n_pieces) +
                 " separate surfaces; give each its own molecule id");
@@ -192,6 +206,30 @@ void check_closed_oriented(const PointsView &nodes, const std::vector<Triangle> 
     throw Error("Surface mesh: the enclosed volume is " + std::to_string(volume) +
                 " but must be positive; are the triangles clockwise instead of counter-clockwise "
                 "seen from outside, or the cell not unwrapped across the periodic boundary?");
+}
+
+std::vector<char> find_closed_bodies(const std::vector<Triangle> &triangles, int n_nodes)
+{
+  Pieces pieces(triangles, n_nodes);
+  std::vector<int> characteristic(n_nodes, 0);    // Euler's, of the piece with that root
+  std::vector<char> is_closed(n_nodes, 1), is_used(n_nodes, 0);
+  for (const Triangle &t : triangles) {
+    characteristic[pieces.find_root(t[0])]++;
+    for (int node : t) is_used[node] = 1;
+  }
+  for (int i = 0; i < n_nodes; i++)
+    if (is_used[i]) characteristic[pieces.find_root(i)]++;
+  for (const auto &edge : count_edge_uses(triangles)) {
+    const int root = pieces.find_root(edge.first.first);
+    characteristic[root]--;
+    if (edge.second.n_forward + edge.second.n_backward != 2) is_closed[root] = 0;
+  }
+  std::vector<char> is_body;
+  for (const Triangle &t : triangles) {
+    const int root = pieces.find_root(t[0]);
+    is_body.push_back(is_closed[root] && characteristic[root] == 2);
+  }
+  return is_body;
 }
 
 MiddleNodeLoad balance_middle_nodes(std::vector<Triangle> &triangles, std::vector<Hinge> &hinges,

@@ -20,6 +20,10 @@ void check_closed_oriented(const std::vector<Triangle> &triangles, int n_nodes);
 // The same, and an Error if the enclosed volume is not positive (triangles clockwise from outside).
 void check_closed_oriented(const PointsView &nodes, const std::vector<Triangle> &triangles);
 
+// One flag per triangle: 1 if it is part of a closed body (a connected surface with two triangles
+// at every edge and no handle), 0 if it is part of a sheet or tube, open or closed through the box.
+std::vector<char> find_closed_bodies(const std::vector<Triangle> &triangles, int n_nodes);
+
 // The largest numbers of triangles and hinges whose second node is one and the same node.
 struct MiddleNodeLoad {
   int max_triangles, max_hinges;

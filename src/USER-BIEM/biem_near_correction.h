@@ -22,6 +22,11 @@ constexpr double kNearFactor = 1.5;
 // problems without a neighbor list.
 NearCandidates find_near_candidates(const SurfaceElements &elements, PointsView nodes);
 
+// Candidates of the listed elements, in the list's order, without nodes that are no targets
+// (is_target: one for every node; null: all are).
+NearCandidates select_candidates(const NearCandidates &candidates, const std::vector<int> &elements,
+                                 const std::vector<char> *is_target);
+
 // velocities (3 x n) += corrections at the near candidates; prepare_near() has been called.
 // Returns the number of near pairs.
 long add_near_corrections(const SurfaceElements &elements, const NearCandidates &candidates,

@@ -153,6 +153,17 @@ struct SingleLayer {
   }
 };
 
+// int ds/r^3 = ratio/distance2 along an edge, ratio = s_b/r_b - s_a/r_a, by the form that does not
+// cancel.
+BIEM_INLINE Pack compute_inverse_cube_integral(const Edge &e, Pack ratio)
+{
+  const Mask beside = less(Pack{}, e.s_a * e.s_b);
+  const Pack numerator = select(beside, (e.s_b - e.s_a) * (e.s_b + e.s_a), ratio);
+  const Pack denominator =
+      select(beside, e.r_a * e.r_b * (e.s_b * e.r_a + e.s_a * e.r_b), e.distance2);
+  return numerator / denominator;
+}
+
 // Double layer in the triangle's frame: moments d^n int rho^m/r^5 with the powers of d that keep
 // them finite as d -> 0.
 struct DoubleLayer {
@@ -164,14 +175,9 @@ struct DoubleLayer {
   BIEM_INLINE void add_edge(const TriangleFrame &t, const LinearDensity &f, int k, const Edge &e,
                             Pack d, const Pack (&inverse_r)[3])
   {
-    const Pack zero = {}, inverse_a = inverse_r[k], inverse_b = inverse_r[(k + 1) % 3];
+    const Pack inverse_a = inverse_r[k], inverse_b = inverse_r[(k + 1) % 3];
     const Pack ratio = e.s_b * inverse_b - e.s_a * inverse_a;
-    // int ds/r^3 = ratio/distance2, by the form that does not cancel
-    const Mask beside = less(zero, e.s_a * e.s_b);
-    const Pack numerator = select(beside, (e.s_b - e.s_a) * (e.s_b + e.s_a), ratio);
-    const Pack denominator =
-        select(beside, e.r_a * e.r_b * (e.s_b * e.r_a + e.s_a * e.r_b), e.distance2);
-    const Pack e0 = numerator / denominator;
+    const Pack e0 = compute_inverse_cube_integral(e, ratio);
     sum.add(t, f, k, at_target, d, e.p, {e0, inverse_a - inverse_b, e.logarithm - ratio});
     edges += e.p * e0;
     a1 += t.outward[k][0] * e.logarithm;
@@ -283,6 +289,45 @@ PointPack integrate_near_triangle(const TriangleFrame &t, const LinearDensity *s
   return {u.x * t.axis1[0] + u.y * t.axis2[0] + u.z * t.normal[0],
           u.x * t.axis1[1] + u.y * t.axis2[1] + u.z * t.normal[1],
           u.x * t.axis1[2] + u.y * t.axis2[2] + u.z * t.normal[2]};
+}
+
+// In the triangle's frame DoubleLayer's formulas for a uniform density, without the density.
+TensorPack integrate_near_triangle_tensor(const TriangleFrame &t, const PointPack &targets)
+{
+  const View v = look_from(t, targets);
+  const Pack zero = {};
+  Pack s11 = zero, s12 = zero, s22 = zero, s13 = zero, s23 = zero, edges = zero, inverse_r[3];
+  for (int k = 0; k < 3; k++)
+    inverse_r[k] = 1.0 / v.r[k];
+#pragma GCC unroll 3
+  for (int k = 0; k < 3; k++) {
+    const Edge e = make_edge(t, v, k);
+    const Pack inverse_a = inverse_r[k], inverse_b = inverse_r[(k + 1) % 3];
+    const Pack e0 = compute_inverse_cube_integral(e, e.s_b * inverse_b - e.s_a * inverse_a);
+    const Pack e1 = inverse_a - inverse_b, pe0 = e.p * e0;
+    const double n1 = t.outward[k][0], n2 = t.outward[k][1];
+    const Pack along2 = pe0 * n2 + e1 * t.tangent[k][1];
+    s11 += n1 * (pe0 * n1 + e1 * t.tangent[k][0]);
+    s12 += n1 * along2;
+    s22 += n2 * along2;
+    s13 += n1 * e0;
+    s23 += n2 * e0;
+    edges += pe0;
+  }
+  const Mask off_plane = less(zero, v.height);
+  const Pack angle = select(less(v.d, zero), -v.solid_angle, v.solid_angle), d2 = v.d * v.d;
+  const Pack m[3][3] = {{angle - v.d * s11, -v.d * s12, d2 * s13},
+                        {-v.d * s12, angle - v.d * s22, d2 * s23},
+                        {d2 * s13, d2 * s23, angle + v.d * edges}};
+  const Vec3 *axes[3] = {&t.axis1, &t.axis2, &t.normal};
+  auto turn = [&](int i, int j) {
+    Pack sum = zero;
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++)
+        sum += ((*axes[a])[i] * (*axes[b])[j]) * m[a][b];
+    return select(off_plane, -2.0 * sum, zero);
+  };
+  return {turn(0, 0), turn(0, 1), turn(0, 2), turn(1, 1), turn(1, 2), turn(2, 2)};
 }
 
 template PointPack integrate_near_triangle<Layers::Single>(const TriangleFrame &,

@@ -14,6 +14,11 @@ struct PointPack {
   Pack x, y, z;
 };
 
+// Symmetric 3 x 3 matrices, one per lane.
+struct TensorPack {
+  Pack xx, xy, xz, yy, yz, zz;
+};
+
 // Geometry of a flat triangle in its own plane, computed once per configuration.
 // Edge k runs from vertex k to vertex k+1; lengths in the user's units.
 struct TriangleFrame {
@@ -48,6 +53,9 @@ LinearDensity make_linear_density(const TriangleFrame &frame, const Mat3 &densit
 template <Layers layers>
 PointPack integrate_near_triangle(const TriangleFrame &frame, const LinearDensity *single_layer,
                                   const LinearDensity *double_layer, const PointPack &targets);
+
+// int -6 r r (r.n)/r^5 dA: the double layer of a uniform density, before the product with it.
+TensorPack integrate_near_triangle_tensor(const TriangleFrame &frame, const PointPack &targets);
 
 }    // namespace biem
 

@@ -29,6 +29,39 @@ Points compute_unwrapped(const SurfaceShare &s, NodeExchange &exchange)
   return corners;
 }
 
+// Elements around each owned node that carry a single layer, and that carry a double layer.
+Eigen::Matrix2Xd count_carriers(const SurfaceShare &s, NodeExchange &exchange)
+{
+  Eigen::Matrix2Xd n = Eigen::Matrix2Xd::Zero(2, s.nodes.cols());
+  for (size_t e = 0; e < s.triangles.size(); e++)
+    for (int i : s.triangles[e]) {
+      n(0, i) += has_single((*s.element_layers)[e]);
+      n(1, i) += has_double((*s.element_layers)[e]);
+    }
+  exchange.reverse_add(n.data(), 2);
+  return n;
+}
+
+void check_sizes(const SurfaceShare &s)
+{
+  const auto n_nodes = static_cast<size_t>(s.nodes.cols());
+  const auto n_elements = static_cast<size_t>(s.elements.n_elements());
+  if (s.is_target && s.is_target->size() != n_nodes)
+    throw Error("layer operator: " + std::to_string(s.is_target->size()) +
+                " marks of targets were given for " + std::to_string(n_nodes) +
+                " nodes; give one for every node, ghosts included, or none");
+  if (s.element_layers && (s.element_layers->size() != n_elements ||
+                           s.triangles.size() != n_elements))
+    throw Error("layer operator: " + std::to_string(n_elements) + " elements come with " +
+                std::to_string(s.element_layers->size()) + " layers and " +
+                std::to_string(s.triangles.size()) +
+                " triangles; give one of each for every element");
+  if (s.candidates.start.size() != n_elements + 1)
+    throw Error("layer operator: near candidates are given for " +
+                std::to_string(s.candidates.start.size()) + " - 1 elements, but there are " +
+                std::to_string(n_elements) + "; select the candidates of these elements");
+}
+
 }    // namespace
 
 LayerOperator::LayerOperator(MPI_Comm comm, const EwaldParameters &parameters) :
@@ -50,19 +83,41 @@ void LayerOperator::set_geometry(const SurfaceShare &share, Layers layers, NodeE
                 std::to_string(share.triangles.size()) + " triangles and " +
                 std::to_string(share.triangle_shift.cols()) +
                 " shifts; give one of each for every element");
+  check_sizes(share);
   layers_ = layers;
   elements_ = &share.elements;
   candidates_ = &share.candidates;
   nodes_ = share.nodes;
   n_owned_ = share.n_owned;
+  is_target_.clear();
+  if (share.is_target)
+    is_target_.assign(share.is_target->begin(), share.is_target->begin() + n_owned_);
+  element_layers_.clear();
+  if (share.element_layers) element_layers_ = *share.element_layers;
+  list_far_nodes(share, exchange);
+  set_far_points(share, layers, exchange);
+}
+
+void LayerOperator::list_far_nodes(const SurfaceShare &s, NodeExchange &exchange)
+{
+  Eigen::Matrix2Xd carriers;    // elements with a single layer, with a double layer
+  if (s.element_layers) carriers = count_carriers(s, exchange);
   far_nodes_.clear();
   far_areas_.clear();
+  source_layers_.clear();
   for (int i = 0; i < n_owned_; i++) {
-    if (!(share.areas[i] > 0.0)) continue;
+    if (!(s.areas[i] > 0.0)) continue;
+    if (s.element_layers) {
+      const bool is_single = carriers(0, i) > 0.0, is_double = carriers(1, i) > 0.0;
+      if (!is_single && !is_double) continue;
+      source_layers_.push_back(!is_double   ? Layers::Single
+                               : !is_single ? Layers::Double
+                                            : Layers::Both);
+    }
     far_nodes_.push_back(i);
-    far_areas_.push_back(share.elements.nodal_fraction() * share.areas[i]);
+    far_areas_.push_back(s.elements.nodal_fraction() * s.areas[i]);
   }
-  set_far_points(share, layers, exchange);
+  source_layers_.insert(source_layers_.end(), element_layers_.begin(), element_layers_.end());
 }
 
 void LayerOperator::set_far_points(const SurfaceShare &s, Layers layers, NodeExchange &exchange)
@@ -73,8 +128,9 @@ void LayerOperator::set_far_points(const SurfaceShare &s, Layers layers, NodeExc
   for (Eigen::Index k = 0; k < n_nodes; k++)
     points.col(k) = s.nodes.col(far_nodes_[k]);
   s.elements.compute_interior_points(points.rightCols(n_elements));
+  const std::vector<Layers> *source_layers = s.element_layers ? &source_layers_ : nullptr;
   if (!has_double(layers)) {
-    sum_.set_points({s.nodes, s.n_owned, points, kNone, kNone});
+    sum_.set_points({s.nodes, s.n_owned, points, kNone, kNone, s.is_target, source_layers}, layers);
     return;
   }
   Points nodal_normals = Points::Zero(3, s.nodes.cols());
@@ -88,7 +144,8 @@ void LayerOperator::set_far_points(const SurfaceShare &s, Layers layers, NodeExc
   }
   s.elements.compute_interior_normals(normals.rightCols(n_elements));
   unwrapped.rightCols(n_elements) = points.rightCols(n_elements) + s.triangle_shift;
-  sum_.set_points({s.nodes, s.n_owned, points, normals, unwrapped});
+  sum_.set_points({s.nodes, s.n_owned, points, normals, unwrapped, s.is_target, source_layers},
+                  layers);
 }
 
 void LayerOperator::compute_far_strengths(Layers layers, PointsView single_density,
@@ -121,10 +178,13 @@ Points LayerOperator::apply(Layers layers, PointsView single_density, PointsView
   CpuClock clock;
   Points velocity = Points::Zero(3, nodes_.cols());
   elements_->prepare_near(has_single(layers) ? single_density : PointsView(kNone),
-                          has_double(layers) ? double_density : PointsView(kNone));
+                          has_double(layers) ? double_density : PointsView(kNone),
+                          element_layers_.empty() ? nullptr : &element_layers_);
   profile_.n_near_pairs = add_near_corrections(*elements_, *candidates_, nodes_, velocity);
   profile_.near += clock.restart();
   sum_.add_layers(layers, forces_, densities_, exchange, velocity);
+  for (size_t i = 0; i < is_target_.size(); i++)
+    if (!is_target_[i]) velocity.col(i).setZero();
   return velocity.leftCols(n_owned_);
 }
 

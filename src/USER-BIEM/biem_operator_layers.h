@@ -24,6 +24,13 @@ struct SurfaceShare {
   // where its closed surface is in one piece.
   const std::vector<Triangle> &triangles;
   PointsView triangle_shift;
+  // Only what is wanted is paid for. Leave out the elements of surfaces that are no sources, and
+  // give candidates as select_candidates() returns them. Like the next one, given on all ranks or
+  // on none. n_all, ghosts as their owners; null: every node is a target.
+  const std::vector<char> *is_target = nullptr;
+  // What each element carries of the layers that are applied; a node carries what its elements do.
+  // Null: all of them.
+  const std::vector<Layers> *element_layers = nullptr;
 };
 
 // CPU seconds of this rank since construction, and near pairs of the last application.
@@ -45,8 +52,9 @@ class LayerOperator {
   // share's elements and candidates must live until the next call; the views are not kept.
   // Collective.
   void set_geometry(const SurfaceShare &share, Layers layers, NodeExchange &exchange);
-  // Densities: 3 x n_all, ghosts filled; not read when layers does not ask for them. Returns
-  // 3 x n_owned, without the factors 1/(8 pi mu) and 1/(8 pi). At a node of its own surface the
+  // Densities: 3 x n_all, ghosts filled; not read when layers does not ask for them, nor on
+  // surfaces that do not carry them. Returns 3 x n_owned, without the factors 1/(8 pi mu) and
+  // 1/(8 pi), zero at nodes that are no targets. At a node of its own surface the
   // double layer is the raw principal value of the faceted surface: see subtract_singularity().
   // Collective.
   Points apply(Layers layers, PointsView single_density, PointsView double_density,
@@ -60,6 +68,7 @@ class LayerOperator {
   OperatorProfile profile() const;
 
  private:
+  void list_far_nodes(const SurfaceShare &share, NodeExchange &exchange);
   void set_far_points(const SurfaceShare &share, Layers layers, NodeExchange &exchange);
   void compute_far_strengths(Layers layers, PointsView single_density, PointsView double_density);
 
@@ -72,6 +81,8 @@ class LayerOperator {
   // Sources of the far rule: owned nodes on a surface, then one interior point per element.
   std::vector<int> far_nodes_;
   std::vector<double> far_areas_;    // of the far nodes
+  std::vector<char> is_target_;      // n_owned; empty: all
+  std::vector<Layers> element_layers_, source_layers_;    // empty: all
   Points forces_, densities_;        // strengths of the sources
   OperatorProfile profile_;
 };

@@ -1,11 +1,12 @@
-// The scene: forces on the nodes of all surfaces in, velocities of all nodes out. With a viscosity
-// ratio of 1 and no other surfaces, Eq. 5 of Zhao et al. 2012 is one evaluation of the single
-// layer:   u(x) = u_inf(x) + 1/(8 pi mu) int G(x, y) f(y) dA(y), followed by a projection that
-// keeps every cell's volume. Knows no constitutive law and no time.
+// One evaluation of Eq. 5 of Zhao et al. 2012 for a whole scene: forces on the nodes of all surfaces
+// in, velocities of all nodes out. Membrane forces act through the single layer; what else there is
+// (other inside viscosities, rigid particles, walls) is the coupled system's, built only where the
+// scene has it. A projection keeps every cell's volume. Knows no constitutive law and no time.
 #ifndef BIEM_SUSPENSION_H
 #define BIEM_SUSPENSION_H
 
-#include "biem_operator_layers.h"
+#include "biem_coupled_system.h"
+#include "biem_flow.h"
 
 namespace biem {
 
@@ -16,59 +17,89 @@ enum class Traction { Lumped, Consistent };
 Traction parse_traction(const std::string &name);
 
 struct SuspensionSettings {
-  double viscosity = 1.0;    // [force * time / length^2]
+  double viscosity = 1.0;    // outside the cells [force * time / length^2]
   Traction traction = Traction::Lumped;
+  Drive drive = Drive::MeanVelocity;
+  SolverControl control;
 };
 
-// One rank's share of a configuration; closed surfaces are numbered 0 ... n_cells - 1 globally.
-struct Configuration {
-  PointsView nodes;    // 3 x n_all, owned first, then ghosts
-  int n_owned;
-  const std::vector<Triangle> &triangles;    // each on exactly one rank
-  const std::vector<int> &cell_of_triangle;
-  const std::vector<int> &cell_of_node;    // owned nodes; -1: on no surface
-  PointsView triangle_shift;               // 3 x n: from the triangle's image to its cell's
-  const NearCandidates &candidates;
-};
-
-// Volumes of the cells and how they are held.
+// Volumes of the cells and how they are held, by surface.
 struct CellVolumes {
-  std::vector<double> reference;    // per cell; empty: no projection
-  std::vector<double> current;      // filled by evaluate()
+  std::vector<double> reference;    // empty: no projection
+  std::vector<double> current;      // filled by evaluate(); of cells only
   double relaxation_rate = 0.0;     // [1/time] at which a volume error decays
+};
+
+struct Conditions {
+  BackgroundFlow flow;
+  Vec3 pressure_drop = Vec3::Zero();    // -grad p that drives; read with Drive::PressureDrop
 };
 
 // Results on the owned nodes.
 struct Evaluation {
   Points velocity;          // 3 x n_owned, relative to the background flow
-  Points traction;          // 3 x n_owned, force density on the fluid
+  Points traction;          // 3 x n_owned, force density on the fluid (walls: on both sides)
   Eigen::VectorXd areas;    // n_owned
+  CoupledFields solution;   // of the coupled system: initial guess of the next evaluation
+  SolverReport solver;
+  // By surface, of rigid particles: motion of the centroid of the surface relative to the
+  // background flow there; where that is.
+  std::vector<SurfaceMotion> motions;
+  std::vector<Vec3> centroids;
+  // By surface, where the coupled system has it: mu int (phi n + n phi) dA - sym int F x dA, without
+  // trace: what it adds to the mean stress is this divided by the volume.
+  std::vector<Mat3> stresslets;
+  Vec3 mean_velocity = Vec3::Zero();    // of the whole cell
+  Vec3 pressure_drop = Vec3::Zero();    // mean -grad p: balances all forces on the fluid
+  Vec3 wall_force = Vec3::Zero();       // of the walls on the fluid
+  double wall_area = 0.0;
 };
 
 class Suspension {
  public:
-  Suspension(MPI_Comm comm, const EwaldParameters &parameters, const SuspensionSettings &settings);
+  // scene must outlive the suspension.
+  Suspension(MPI_Comm comm, const EwaldParameters &parameters, const SuspensionSettings &settings,
+             const Scene &scene);
 
-  void set_cell(const Mat3 &cell, const Vec3 &origin) { layers_.set_cell(cell, origin); }
-  // forces: 3 x n_owned, on the fluid. Collective. Throws Error on collapsed elements.
-  Evaluation evaluate(const Configuration &configuration, PointsView forces, CellVolumes &volumes,
-                      NodeExchange &exchange);
+  void set_cell(const Mat3 &cell, const Vec3 &origin);
+  // forces: 3 x n_owned, on the fluid; on a rigid particle only their sum and torque count, on walls
+  // none may act. guess: of the coupled system's solution; empty: zero. Collective. Throws Error on
+  // collapsed elements, NotConverged.
+  Evaluation evaluate(const Configuration &configuration, PointsView forces,
+                      const Conditions &conditions, const CoupledFields &guess,
+                      CellVolumes &volumes, NodeExchange &exchange);
 
-  OperatorProfile profile() const { return layers_.profile(); }
-  const EwaldParameters &parameters() const { return layers_.parameters(); }
+  OperatorProfile force_profile() const { return force_operator_.profile(); }
+  OperatorProfile coupled_profile() const;
+  const EwaldParameters &parameters() const { return force_operator_.parameters(); }
 
  private:
-  Points compute_traction(const Configuration &c, PointsView forces, const Eigen::VectorXd &areas,
+  void set_force_geometry(const Configuration &c, PointsView forces, NodeExchange &exchange);
+  void measure_volumes(const Configuration &c, CellVolumes &volumes, NodeExchange &exchange) const;
+  Points compute_traction(const Configuration &c, PointsView forces, NodeExchange &exchange) const;
+  void spread_body_forces(const Configuration &c, PointsView forces, PointsRef density,
                           NodeExchange &exchange) const;
+  void solve_coupled(const Configuration &c, PointsView forces, const Conditions &conditions,
+                     const CoupledFields &guess, Evaluation &result, NodeExchange &exchange);
+  void check_blocked_flow(const Conditions &conditions) const;
+  void add_stresslets(const Configuration &c, PointsView forces, Evaluation &result,
+                      NodeExchange &exchange) const;
+  bool is_kind(const Configuration &c, int node, SurfaceKind kind) const;
 
   SuspensionSettings settings_;
-  LayerOperator layers_;
-  std::unique_ptr<SurfaceElements> elements_;
+  const Scene &scene_;
+  bool has_unknowns_;
+  double volume_ = 1.0;
+  SurfaceSubset force_surfaces_;
+  LayerOperator force_operator_;
+  bool has_forces_ = true, has_body_forces_ = false;    // some surface carries a single layer of F
+  long version_ = -1;
+  std::unique_ptr<CoupledSystem> coupled_;
 };
 
-// Removes the flux through each closed surface, up to what restores the reference volume in
+// Removes the flux through each cell, up to what restores the reference volume in
 // 1/relaxation_rate: u -= alpha n with alpha = (sum u.g - wanted) / sum |g|, g = dV/dx (3 x
-// n_owned).
+// n_owned). cell_of_node: n_owned, -1 where there is nothing to hold.
 void project_volume(const std::vector<int> &cell_of_node, PointsView gradient,
                     const CellVolumes &volumes, NodeExchange &exchange, PointsRef velocity);
 

@@ -2,22 +2,19 @@
 // Does not know how cells are packed nor how atoms are stored.
 #include "create_cells.h"
 
-#include "atom.h"
-#include "atom_vec.h"
-#include "biem_error.h"
 #include "biem_lammps_bridge.h"
 #include "biem_lammps_cell_creation.h"
 #include "biem_lammps_cell_settings.h"
-#include "biem_mesh_lattice.h"
+#include "biem_lammps_surface_command.h"
+#include "biem_mesh_clearance.h"
+#include "biem_mesh_moments.h"
 #include "comm.h"
-#include "domain.h"
-#include "error.h"
-#include "force.h"
 #include "group.h"
 #include "utils.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 using namespace LAMMPS_NS;
@@ -26,111 +23,100 @@ namespace {
 
 const double kPi = 3.14159265358979323846;
 
-void check_system(LAMMPS *lmp)
+const char kName[] = "create_cells";
+
+// A closed mesh from a file, its center of volume at the origin.
+biem::SurfaceMesh read_body(SurfaceCommand &base, const CellSettings &s)
 {
-  Atom *atom = lmp->atom;
-  Domain *domain = lmp->domain;
-  auto fail = [&](const std::string &what) { lmp->error->all(FLERR, "create_cells: " + what); };
-  if (!domain->box_exist) fail("there is no box yet: use create_box or read_data first");
-  if (domain->dimension != 3 || !domain->xperiodic || !domain->yperiodic || !domain->zperiodic)
-    fail("the box must be three-dimensional and periodic: use 'boundary p p p'");
-  if (!atom->molecule_flag || !atom->avec->angles_allow || !atom->avec->dihedrals_allow ||
-      atom->molecular != Atom::MOLECULAR)
-    fail("atom style " + std::string(atom->atom_style) +
-         " lacks molecule IDs, angles or dihedrals: use 'atom_style molecular'");
-  if (!atom->tag_enable || atom->map_style == Atom::MAP_NONE)
-    fail("atoms have no map from ID to atom: use 'atom_modify map yes' (and not 'id no')");
-  if (!lmp->force->newton_bond)
-    fail("newton is off for bonds: use 'newton on' before the box is created");
+  biem::SurfaceMesh mesh = base.read_mesh(s.mesh_file);
+  mesh.nodes *= s.mesh_scale;
+  base.run_on_first([&] { biem::check_closed_oriented(mesh.nodes, mesh.triangles); });
+  biem::MeshMoments moments;
+  const biem::Vec3 middle = mesh.nodes.rowwise().mean();    // digits cancel far from the body
+  for (const biem::Triangle &t : mesh.triangles)
+    biem::add_triangle_moments(mesh.nodes.col(t[0]) - middle, mesh.nodes.col(t[1]) - middle,
+                               mesh.nodes.col(t[2]) - middle, moments);
+  const biem::Vec3 first(moments.volume_first[0], moments.volume_first[1],
+                         moments.volume_first[2]);
+  mesh.nodes.colwise() -= middle + first / moments.volume;
+  if (s.mesh_radius > 0.0)
+    mesh.nodes *= s.mesh_radius / std::cbrt(moments.volume / (4.0 * kPi / 3.0));
+  return mesh;
 }
 
-void check_types(LAMMPS *lmp, const CellSettings &s)
-{
-  auto check = [&](const std::string &what, int value, int n, const std::string &remedy) {
-    if (value > n)
-      lmp->error->all(FLERR, "create_cells: " + what + " " + std::to_string(value) +
-                                 " does not exist, the box has " + std::to_string(n) +
-                                 ": " + remedy);
-  };
-  check("atom type", s.type, lmp->atom->ntypes, "raise the number of types in create_box");
-  check("angle type", s.angle_type, lmp->atom->nangletypes, "add 'angle/types N' to create_box");
-  check("dihedral type", s.dihedral_type, lmp->atom->ndihedraltypes,
-        "add 'dihedral/types N' to create_box");
-}
-
-CellTemplate make_template(const CellSettings &s)
+CellTemplate make_template(SurfaceCommand &base, const CellSettings &s)
 {
   CellTemplate cell;
-  cell.mesh = biem::make_mesh(*s.shape, s.n_nodes);
+  cell.mesh = s.shape ? biem::make_mesh(*s.shape, s.n_nodes) : read_body(base, s);
   cell.hinges = biem::make_hinges(cell.mesh.triangles);
-  cell.load = biem::balance_middle_nodes(cell.mesh.triangles, cell.hinges, s.n_nodes);
+  cell.load = biem::balance_middle_nodes(cell.mesh.triangles, cell.hinges,
+                                         static_cast<int>(cell.mesh.nodes.cols()));
   return cell;
 }
 
-// LAMMPS finds the image of a neighbor node by the shortest distance.
-void check_edges(LAMMPS *lmp, double longest_edge)
+double compute_volume(const CellTemplate &cell)
 {
-  const biem::MeshLattice lattice(get_cell(lmp));
-  const double half = 0.5 * lattice.heights().minCoeff();
-  if (longest_edge >= half)
-    lmp->error->all(FLERR, "create_cells: the longest edge of the mesh, " +
-                               std::to_string(longest_edge) + ", must be less than " +
-                               std::to_string(half) + ", half the shortest height of the box: "
-                               "use more nodes or a larger box");
+  return biem::compute_enclosed_volume(cell.mesh.nodes, cell.mesh.triangles);
 }
 
-biem::PackingRequest make_request(LAMMPS *lmp, const CellSettings &s)
+std::string describe(const CellSettings &s, const CellTemplate &cell)
 {
+  if (s.shape) return s.shape->describe();
+  char radius[32];
+  std::snprintf(radius, sizeof radius, "%.6g", std::cbrt(compute_volume(cell) * 0.75 / kPi));
+  return "mesh of " + s.mesh_file + ", equivalent radius " + radius;
+}
+
+biem::PackingRequest make_request(LAMMPS *lmp, const CellSettings &s, const CellTemplate &cell)
+{
+  const double volume = compute_volume(cell);
   biem::PackingRequest request;
   request.shape = s.shape.get();
-  request.n_nodes = s.n_nodes;
+  request.n_nodes = static_cast<int>(cell.mesh.nodes.cols());
   request.n_bodies = s.n_cells;
   request.seed = s.seed;
   request.lattice = get_cell(lmp);
   request.minimum_gap = std::max(0.0, s.gap);
   if (s.gap < 0.0 && s.placement != CellSettings::Placement::Single)
-    request.minimum_gap = 0.05 * std::cbrt(s.shape->compute_volume() / (4.0 * kPi / 3.0));
+    request.minimum_gap = 0.05 * std::cbrt(volume / (4.0 * kPi / 3.0));
   const bool is_random = s.orientation == CellSettings::Orientation::Random;
   request.rotation = is_random ? biem::PackingRotation::free : biem::PackingRotation::fixed;
   request.orientation = biem::compute_rotation_to_axis(s.axis, s.roll);
   if (s.placement == CellSettings::Placement::Hematocrit) {
-    const double n = s.hematocrit * std::abs(request.lattice.determinant()) /
-        s.shape->compute_volume();
+    const double n = s.hematocrit * std::abs(request.lattice.determinant()) / volume;
     if (n < 0.5 || n > std::numeric_limits<int>::max())
-      lmp->error->all(FLERR, "create_cells: hematocrit " + std::to_string(s.hematocrit) +
-                                 " in this box means " + std::to_string(n) +
-                                 " cells: change the box, the hematocrit or the size of the cell");
+      SurfaceCommand(lmp, kName).fail("hematocrit " + std::to_string(s.hematocrit) +
+                                      " in this box means " + std::to_string(n) + " cells: change "
+                                      "the box, the hematocrit or the size of the cell");
     request.n_bodies = static_cast<int>(std::lround(n));
   }
   return request;
 }
 
+void check_single(const biem::PackingRequest &request, const CellTemplate &cell,
+                  const biem::RigidPlacement &placement, const biem::PackingObstacles &obstacles)
+{
+  if (request.shape) return biem::check_placement(request, placement, obstacles);
+  const biem::Points nodes = (placement.rotation * cell.mesh.nodes).colwise() + placement.center;
+  biem::check_body_clearance(request.lattice, {nodes, cell.mesh.triangles}, request.minimum_gap,
+                             obstacles);
+}
+
 // Rank 0 places the cells and tells the others, so that all have the same digits.
 std::vector<biem::RigidPlacement> place_cells(LAMMPS *lmp, const CellSettings &s,
-                                              const biem::PackingRequest &request)
+                                              const biem::PackingRequest &request,
+                                              const CellTemplate &cell)
 {
-  const biem::PackingObstacles obstacles = gather_obstacles(lmp);
+  const biem::PackingObstacles obstacles = gather_obstacles(lmp, kName);
   std::vector<biem::RigidPlacement> placements(request.n_bodies);
-  std::string message;
-  if (lmp->comm->me == 0) {
-    try {
-      if (s.placement == CellSettings::Placement::Single) {
-        placements[0] = {s.center, request.orientation};
-        biem::check_placement(request, placements[0], obstacles);
-      } else {
-        placements = biem::make_random_packing(request, obstacles);
-      }
-    } catch (const biem::Error &e) {
-      message = e.what();
+  SurfaceCommand(lmp, kName).run_on_first([&] {
+    if (s.placement == CellSettings::Placement::Single) {
+      placements[0] = {s.center, request.orientation};
+      check_single(request, cell, placements[0], obstacles);
+    } else {
+      placements = biem::make_random_packing(request, obstacles);
     }
-  }
-  int length = static_cast<int>(message.size());
-  MPI_Bcast(&length, 1, MPI_INT, 0, lmp->world);
-  if (length > 0) {
-    message.resize(length);
-    MPI_Bcast(&message[0], length, MPI_CHAR, 0, lmp->world);
-    lmp->error->all(FLERR, "create_cells: " + message);
-  }
+  });
   for (biem::RigidPlacement &placement : placements) {
     MPI_Bcast(placement.center.data(), 3, MPI_DOUBLE, 0, lmp->world);
     MPI_Bcast(placement.rotation.data(), 9, MPI_DOUBLE, 0, lmp->world);
@@ -138,36 +124,15 @@ std::vector<biem::RigidPlacement> place_cells(LAMMPS *lmp, const CellSettings &s
   return placements;
 }
 
-tagint compute_first_molecule(LAMMPS *lmp, const CellSettings &s, int n_cells)
-{
-  Atom *atom = lmp->atom;
-  tagint largest = 0, next = 0;
-  for (int i = 0; i < atom->nlocal; i++) largest = std::max(largest, atom->molecule[i]);
-  MPI_Allreduce(&largest, &next, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
-  next++;
-  if (s.first_molecule == 0) return next;
-  int is_taken = 0, is_taken_anywhere;
-  for (int i = 0; i < atom->nlocal; i++)
-    if (atom->molecule[i] >= s.first_molecule && atom->molecule[i] < s.first_molecule + n_cells)
-      is_taken = 1;
-  MPI_Allreduce(&is_taken, &is_taken_anywhere, 1, MPI_INT, MPI_MAX, lmp->world);
-  if (is_taken_anywhere)
-    lmp->error->all(FLERR, "create_cells: molecule " + std::to_string(s.first_molecule) +
-                               " or one of the following " + std::to_string(n_cells - 1) +
-                               " exists already; the next free molecule ID is " +
-                               std::to_string(next));
-  return s.first_molecule;
-}
-
-void report(LAMMPS *lmp, const biem::PackingRequest &request, const CellTemplate &cell,
-            tagint first_tag, tagint first_molecule)
+void report(LAMMPS *lmp, const CellSettings &settings, const biem::PackingRequest &request,
+            const CellTemplate &cell, tagint first_tag, tagint first_molecule)
 {
   if (lmp->comm->me != 0) return;
   const int n_cells = request.n_bodies;
   const biem::MeshQuality quality = biem::compute_mesh_quality(cell.mesh);
-  const double fraction = n_cells * request.shape->compute_volume() /
-      std::abs(request.lattice.determinant());
-  utils::logmesg(lmp, "Created {} cells: {}\n", n_cells, request.shape->describe());
+  const double fraction =
+      n_cells * compute_volume(cell) / std::abs(request.lattice.determinant());
+  utils::logmesg(lmp, "Created {} cells: {}\n", n_cells, describe(settings, cell));
   utils::logmesg(lmp, "  atoms {} to {}, molecules {} to {}\n", first_tag,
                  first_tag + static_cast<tagint>(n_cells) * request.n_nodes - 1, first_molecule,
                  first_molecule + n_cells - 1);
@@ -182,21 +147,24 @@ void report(LAMMPS *lmp, const biem::PackingRequest &request, const CellTemplate
 
 void CreateCells::command(int narg, char **arg)
 {
-  check_system(lmp);
+  SurfaceCommand base(lmp, kName);
+  base.check_system();
   const CellSettings settings = parse_create_cells(lmp, narg, arg);
-  check_types(lmp, settings);
-  const CellTemplate cell = make_template(settings);
-  check_edges(lmp, biem::compute_mesh_quality(cell.mesh).longest_edge);
+  const SurfaceLabels &wanted = settings.labels;
+  base.check_types(wanted.type, wanted.angle_type, settings.dihedral_type);
+  const CellTemplate cell = make_template(base, settings);
+  base.check_edges(biem::compute_mesh_quality(cell.mesh).longest_edge);
 
-  const biem::PackingRequest request = make_request(lmp, settings);
-  CellLabels labels = {settings.type, settings.angle_type, settings.dihedral_type, 0, 0};
-  labels.first_molecule = compute_first_molecule(lmp, settings, request.n_bodies);
-  const std::vector<biem::RigidPlacement> placements = place_cells(lmp, settings, request);
+  const biem::PackingRequest request = make_request(lmp, settings, cell);
+  CellLabels labels = {wanted.type, wanted.angle_type, settings.dihedral_type, 0, 0};
+  labels.first_molecule = base.compute_first_molecule(wanted.first_molecule, request.n_bodies);
+  const std::vector<biem::RigidPlacement> placements =
+      place_cells(lmp, settings, request, cell);
 
-  CellCreation creation(lmp);
+  CellCreation creation(lmp, kName);
   creation.prepare(cell);
-  if (!settings.group.empty())
-    labels.group_bits = group->bitmask[group->find_or_create(settings.group.c_str())];
+  if (!wanted.group.empty())
+    labels.group_bits = group->bitmask[group->find_or_create(wanted.group.c_str())];
   const tagint first_tag = creation.add(cell, placements, labels);
-  report(lmp, request, cell, first_tag, labels.first_molecule);
+  report(lmp, settings, request, cell, first_tag, labels.first_molecule);
 }

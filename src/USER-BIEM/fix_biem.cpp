@@ -2,6 +2,7 @@
 #include "fix_biem.h"
 #include "atom.h"
 #include "biem_lammps_compat.h"
+#include "biem_lammps_output.h"
 #include "biem_lammps_script_check.h"
 #include "biem_lammps_settings.h"
 #include "biem_lammps_sheared_box.h"
@@ -25,27 +26,23 @@ using namespace FixConst;
 namespace {
 
 // Columns of the per-atom array; the first kPublished are visible to the input script.
-enum { kVelocity = 0, kTraction = 3, kArea = 6, kPublished = 7, kPrevious = 7, kPreviousDt = 10 };
-constexpr int kColumns = 11;
+enum {
+  kVelocity = 0,
+  kTraction = 3,
+  kArea = 6,
+  kPublished = 7,
+  kPrevious = 7,
+  kPreviousDt = 10,
+  // Solution of the coupled system, now and one step ago; of rigid particles in the body frame.
+  kSolution = 11,
+  kPreviousSolution = 14
+};
+constexpr int kColumns = 17;
 // First number of the fix's part of a restart file; changes with what follows it.
-constexpr double kRestartFormat = 20261121.0;
+constexpr double kRestartFormat = 20261122.0;
 
 // Relative volume errors of a stable run are below 1e-5.
 constexpr double kVolumeWarning = 1e-4, kVolumeLimit = 1e-2;
-
-enum {
-  kPower,
-  kVolumeError,
-  kRmsVelocity,
-  kMaxVelocity,
-  kStrain,
-  kFlips,
-  kRealTime,
-  kNearTime,
-  kFourierTime,
-  kExpectedError,
-  kVectorSize
-};
 
 }    // namespace
 
@@ -55,14 +52,28 @@ struct FixBiem::Impl {
   ShearedBox box;
   NodeGroups groups;
   NeighList *list = nullptr;
+  FlowOutput output;
   bool is_warned = false;
-  double vector[kVectorSize] = {};
+  // Mean velocity that a pressure drop drives, now and one step ago; how many solutions of the
+  // coupled system the extrapolation has (2 are enough).
+  biem::Vec3 mean = biem::Vec3::Zero(), previous_mean = biem::Vec3::Zero();
+  int n_solutions = 0;
+  double solution_dt = 0.0;    // between the last two
 
   Impl(LAMMPS *lmp, Fix *fix, const FixBiemSettings &s) :
-      settings(s), solver(lmp, fix, s), box(lmp, s.background.shear_rate)
+      settings(s), solver(lmp, fix, s), box(lmp, s.conditions.flow.shear_rate()), output(lmp, s)
   {
   }
+  biem::Mat3 get_frame(int node) const;    // of a rigid particle; identity for all other nodes
 };
+
+biem::Mat3 FixBiem::Impl::get_frame(int node) const
+{
+  const int s = solver.find_surface(node);
+  if (s < 0 || solver.scene().surfaces[s].kind != biem::SurfaceKind::Rigid)
+    return biem::Mat3::Identity();
+  return solver.particles.orientation(s);
+}
 
 FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array(nullptr)
 {
@@ -84,9 +95,13 @@ FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array
   }
   time_integrate = 1;
   scalar_flag = vector_flag = 1;
-  size_vector = kVectorSize;
+  size_vector = FlowOutput::kVectorSize;
+  array_flag = 1;
+  size_array_cols = FlowOutput::kColumns;
+  size_array_rows = 0;
+  size_array_rows_variable = 1;
   global_freq = 1;
-  extscalar = extvector = 0;
+  extscalar = extvector = extarray = 0;
   peratom_flag = 1;
   size_peratom_cols = kPublished;
   peratom_freq = 1;
@@ -123,14 +138,17 @@ void FixBiem::init()
   check_script(lmp, this);
   const FixBiemSettings &s = impl->settings;
   auto bit = [&](const std::string &name) {
-    return group->bitmask[group->find(name.c_str())];
+    return name.empty() ? 0 : group->bitmask[group->find(name.c_str())];
   };
   NodeGroups &groups = impl->groups;
-  groups.cells = s.cells.empty() ? NodeGroups::Cells::Rest : NodeGroups::Cells::Named;
-  groups.cells_bit = s.cells.empty() ? groupbit : bit(s.cells);
-  groups.tracers_bit = s.tracers.empty() ? 0 : bit(s.tracers);
+  groups.surfaces = s.surfaces;
+  for (SurfaceGroup &surface : groups.surfaces)
+    surface.bit = bit(surface.name);
+  groups.tracers_bit = bit(s.tracers);
+  groups.probes_bit = bit(s.probes);
   groups.fix_bit = groupbit;
   impl->solver.prepare(groups, impl->box.is_sheared() ? 0.5 * domain->xprd : domain->xz);
+  size_array_rows = static_cast<int>(impl->solver.scene().surfaces.size());
   impl->box.start();
   BiemCompat::request_full_list(neighbor, this, instance_me, impl->solver.list_cutoff());
 }
@@ -149,31 +167,42 @@ void FixBiem::reset_dt()
 void FixBiem::setup(int)
 {
   impl->solver.refresh(impl->list);
-  evaluate();
+  evaluate(Start::FromLast);
 }
 
 void FixBiem::initial_integrate(int)
 {
+  move_points();
+  LammpsParticles &particles = impl->solver.particles;
+  particles.advance(impl->settings.stepper, impl->settings.conditions.flow, update->dt);
+  // The box of the new time before ghosts move and forces are computed.
+  if (impl->box.advance()) next_reneighbor = update->ntimestep;
+  if (!particles.is_empty()) particles.lay_atoms();
+}
+
+// Nodes of cells, and tracers.
+void FixBiem::move_points()
+{
   const double dt = update->dt;
   double **x = atom->x;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (!(atom->mask[i] & groupbit)) continue;
+    const int mask = atom->mask[i];
+    const bool is_cell = impl->groups.kind(mask) == biem::SurfaceKind::Cell;
+    if (!is_cell && !impl->groups.is_tracer(mask)) continue;
     double *a = array[i];
     Eigen::Map<biem::Vec3> position(x[i]), velocity(a + kVelocity), previous(a + kPrevious);
     const biem::Vec3 relative =
         biem::compute_displacement(impl->settings.stepper, velocity, previous, dt, a[kPreviousDt]);
-    if (relative.norm() > impl->solver.longest_edge() && impl->groups.is_cell(atom->mask[i]))
+    if (relative.norm() > impl->solver.longest_edge() && is_cell)
       error->one(FLERR,
                  fmt::format("Fix biem: step {}: atom {} of molecule {} would move by "
                              "{:.3g} relative to the flow, more than the longest edge: the "
                              "timestep is far too large",
                              update->ntimestep, atom->tag[i], atom->molecule[i], relative.norm()));
-    position += impl->settings.background.displacement(position, relative, dt);
+    position += impl->settings.conditions.flow.displacement(position, relative, dt);
     previous = velocity;
     a[kPreviousDt] = dt;
   }
-  // The box of the new time before ghosts move and forces are computed.
-  if (impl->box.advance()) next_reneighbor = update->ntimestep;
 }
 
 void FixBiem::pre_exchange()
@@ -184,7 +213,7 @@ void FixBiem::pre_exchange()
 void FixBiem::post_force(int)
 {
   if (neighbor->ago == 0) impl->solver.refresh(impl->list);
-  evaluate();
+  evaluate(Start::Extrapolated);
 }
 
 void FixBiem::check_forces()
@@ -196,55 +225,60 @@ void FixBiem::check_forces()
                             " (molecule " + std::to_string(atom->molecule[i]) +
                             ") is not a number at step " + std::to_string(update->ntimestep) +
                             ": the membrane has become unstable or folded; use a smaller timestep");
-    if (impl->groups.is_tracer(atom->mask[i]) && (f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0))
+    if (f[0] == 0.0 && f[1] == 0.0 && f[2] == 0.0) continue;
+    const biem::SurfaceKind kind = impl->groups.kind(atom->mask[i]);
+    if (kind == biem::SurfaceKind::None || kind == biem::SurfaceKind::Wall)
       error->one(FLERR,
-                 "Fix biem: a force acts on tracer " + std::to_string(atom->tag[i]) +
-                     ", but tracers only follow the flow; take it out of the group of the fix or "
-                     "pair style that causes the force");
+                 "Fix biem: a force acts on atom " + std::to_string(atom->tag[i]) +
+                     ", but tracers and probes only follow the flow, and walls do not move; take "
+                     "it out of the group of the fix or pair style that causes the force, and give "
+                     "the triangles of walls an angle type without forces");
   }
 }
 
-void FixBiem::evaluate()
+void FixBiem::evaluate(Start start)
 {
   check_forces();
   Impl &m = *impl;
-  const biem::Evaluation e = m.solver.evaluate();
-  double sums[2] = {0.0, 0.0}, largest = 0.0;
+  const bool is_extrapolated = start == Start::Extrapolated && m.n_solutions > 1;
+  const double ratio = is_extrapolated ? update->dt / m.solution_dt : 0.0;
+  biem::CoupledFields guess;
+  if (m.solver.has_unknowns() && m.n_solutions > 0) {
+    guess.nodes.resize(3, atom->nlocal);
+    guess.mean = m.mean + ratio * (m.mean - m.previous_mean);
+  }
+  for (int i = 0; i < guess.nodes.cols(); i++) {
+    const Eigen::Map<biem::Vec3> now(array[i] + kSolution), before(array[i] + kPreviousSolution);
+    guess.nodes.col(i) = m.get_frame(i) * (now + ratio * (now - before));
+  }
+  const biem::Evaluation e = m.solver.evaluate(guess);
   for (int i = 0; i < atom->nlocal; i++) {
     double *a = array[i];
     Eigen::Map<biem::Vec3> velocity(a + kVelocity), traction(a + kTraction), total(atom->v[i]);
-    const Eigen::Map<biem::Vec3> position(atom->x[i]), force(atom->f[i]);
+    const Eigen::Map<biem::Vec3> position(atom->x[i]);
     velocity = e.velocity.col(i);
     traction = e.traction.col(i);
     a[kArea] = e.areas[i];
-    total = velocity + m.settings.background.velocity(position);
-    sums[0] += force.dot(velocity);
-    sums[1] += velocity.squaredNorm();
-    largest = std::max(largest, velocity.norm());
+    total = velocity + m.settings.conditions.flow.velocity(position);
+    if (!m.solver.has_unknowns()) continue;
+    if (start == Start::Extrapolated) std::copy_n(a + kSolution, 3, a + kPreviousSolution);
+    Eigen::Map<biem::Vec3>(a + kSolution) = m.get_frame(i).transpose() * e.solution.nodes.col(i);
   }
-  m.solver.exchange.sum(sums, 2);
-  MPI_Allreduce(&largest, &m.vector[kMaxVelocity], 1, MPI_DOUBLE, MPI_MAX, world);
-  if (!std::isfinite(sums[1]))
-    error->all(FLERR, "Fix biem: a velocity is not a number at step " +
-                          std::to_string(update->ntimestep) + ": use a smaller timestep");
-  m.vector[kPower] = sums[0];
-  m.vector[kRmsVelocity] = atom->natoms > 0 ? std::sqrt(sums[1] / static_cast<double>(atom->natoms))
-                                            : 0.0;
-  m.vector[kVolumeError] = m.solver.volume_error();
-  m.vector[kStrain] = m.box.strain();
-  m.vector[kFlips] = m.box.n_flips();
+  if (start == Start::Extrapolated) {
+    m.previous_mean = m.mean;
+    m.solution_dt = update->dt;
+    m.n_solutions = std::min(2, m.n_solutions + 1);
+  }
+  m.n_solutions = std::max(1, m.n_solutions);
+  m.mean = e.solution.mean;
+  m.output.publish(e, m.solver, m.box);
   check_volumes();
-  const biem::OperatorProfile profile = m.solver.profile();
-  m.vector[kRealTime] = profile.sum.search + profile.sum.real_space + profile.sum.ghosts;
-  m.vector[kNearTime] = profile.near;
-  m.vector[kFourierTime] = profile.sum.fourier.total();
-  m.vector[kExpectedError] = m.solver.parameters().expected_error;
 }
 
 // The projection holds volumes to the error of the time stepping: a large error is an unstable run.
 void FixBiem::check_volumes()
 {
-  const double deviation = impl->vector[kVolumeError];
+  const double deviation = impl->output.vector(FlowOutput::kVolumeError);
   if (deviation <= kVolumeWarning) return;
   const std::string text = fmt::format(
       "Fix biem: relative volume error {:.2g} of a cell at step {}: the timestep is beyond "
@@ -257,11 +291,15 @@ void FixBiem::check_volumes()
 
 double FixBiem::compute_scalar()
 {
-  return impl->vector[kPower];
+  return impl->output.vector(FlowOutput::kPower);
 }
 double FixBiem::compute_vector(int i)
 {
-  return impl->vector[i];
+  return impl->output.vector(i);
+}
+double FixBiem::compute_array(int row, int column)
+{
+  return impl->output.table(row, column);
 }
 double FixBiem::memory_usage()
 {
@@ -299,7 +337,15 @@ void FixBiem::write_restart(FILE *file)
 {
   if (comm->me != 0) return;
   std::vector<double> list = {kRestartFormat};
-  for (const std::vector<double> &part : {impl->box.get_state(), impl->solver.get_state()})
+  const std::vector<double> start = {static_cast<double>(impl->n_solutions),
+                                     impl->solution_dt,
+                                     impl->mean[0],
+                                     impl->mean[1],
+                                     impl->mean[2],
+                                     impl->previous_mean[0],
+                                     impl->previous_mean[1],
+                                     impl->previous_mean[2]};
+  for (const std::vector<double> &part : {impl->box.get_state(), start, impl->solver.get_state()})
     list.insert(list.end(), part.begin(), part.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, file);
@@ -313,7 +359,12 @@ void FixBiem::restart(char *buffer)
     error->all(FLERR, "Fix biem: the restart file was written by another version of this package; "
                       "continue it with that version, or write a data file and start from it");
   impl->box.set_state(state);
-  impl->solver.set_state(state + ShearedBox::kStateSize);
+  state += ShearedBox::kStateSize;
+  impl->n_solutions = static_cast<int>(state[0]);
+  impl->solution_dt = state[1];
+  impl->mean = biem::Vec3(state + 2);
+  impl->previous_mean = biem::Vec3(state + 5);
+  impl->solver.set_state(state + 8);
 }
 
 int FixBiem::pack_restart(int i, double *buffer)

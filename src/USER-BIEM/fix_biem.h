@@ -27,6 +27,7 @@ class FixBiem : public Fix {
   void reset_dt() override;
   double compute_scalar() override;
   double compute_vector(int) override;
+  double compute_array(int, int) override;
   double memory_usage() override;
 
   void grow_arrays(int) override;
@@ -50,7 +51,9 @@ class FixBiem : public Fix {
   Impl *impl;
   double **array;    // per atom: velocity, traction, area (published), then the history
 
-  void evaluate();
+  enum class Start { FromLast, Extrapolated };
+  void evaluate(Start);
+  void move_points();
   void check_forces();
   void check_volumes();
 };

@@ -43,7 +43,8 @@ Points sum(MPI_Comm comm, const Mat3 &cell, const Cloud &cloud, const EwaldParam
   PeriodicGhosts ghosts(comm, cloud.x, cell, p.cutoff);
   PeriodicSum periodic(comm, p);
   periodic.set_cell(cell, Vec3(0.1, -0.2, 0.3));
-  periodic.set_points({ghosts.nodes(), ghosts.n_owned(), cloud.x, cloud.normals, Points(3, 0)});
+  periodic.set_points({ghosts.nodes(), ghosts.n_owned(), cloud.x, cloud.normals, Points(3, 0)},
+                      Layers::Both);
   Points u = Points::Zero(3, ghosts.nodes().cols());
   periodic.add_layers(Layers::Both, cloud.forces, cloud.densities, ghosts, u);
   return u.leftCols(ghosts.n_owned());

@@ -45,7 +45,8 @@ Points sum_fast(const Mat3 &cell, const Cloud &c, Layers layers, const EwaldPara
   const Points none(3, 0);
   PeriodicSum sum(MPI_COMM_SELF, p);
   sum.set_cell(cell, Vec3(-0.3, 0.2, 0.1));
-  sum.set_points({ghosts.nodes(), n, c.x, has_double(layers) ? c.normals : none, none});
+  sum.set_points({ghosts.nodes(), n, c.x, has_double(layers) ? c.normals : none, none},
+                 layers);
   Points u = Points::Zero(3, ghosts.nodes().cols());
   sum.add_layers(layers, has_single(layers) ? c.forces : none,
                  has_double(layers) ? c.densities : none, ghosts, u);
@@ -252,7 +253,7 @@ TEST(Ewald, ManyRightHandSidesOnOneGeometryAreIndependent)
   PeriodicGhosts ghosts(cloud.x, cell, p.cutoff);
   PeriodicSum sum(MPI_COMM_SELF, p);
   sum.set_cell(cell, Vec3::Zero());
-  sum.set_points({ghosts.nodes(), 200, cloud.x, cloud.normals, Points(3, 0)});
+  sum.set_points({ghosts.nodes(), 200, cloud.x, cloud.normals, Points(3, 0)}, Layers::Both);
   auto apply = [&](Layers layers, const Points &forces, const Points &densities) {
     Points u = Points::Zero(3, ghosts.nodes().cols());
     sum.add_layers(layers, forces, densities, ghosts, u);
@@ -275,7 +276,7 @@ TEST(Ewald, TargetsMayDifferFromSources)
     PeriodicGhosts ghosts(targets.x, cell, p.cutoff + 2.0);    // all images that any source may reach
     PeriodicSum sum(MPI_COMM_SELF, p);
     sum.set_cell(cell, Vec3::Zero());
-    sum.set_points({ghosts.nodes(), 60, sources.x, sources.normals, Points(3, 0)});
+    sum.set_points({ghosts.nodes(), 60, sources.x, sources.normals, Points(3, 0)}, Layers::Both);
     Points u = Points::Zero(3, ghosts.nodes().cols());
     sum.add_layers(Layers::Both, sources.forces, sources.densities, ghosts, u);
     const Points exact =

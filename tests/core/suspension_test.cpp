@@ -12,19 +12,19 @@ using namespace biem;
 
 namespace {
 
-struct Scene {
+struct RedCells {
   Mat3 cell;
   Points nodes;
   std::vector<Triangle> triangles;
-  std::vector<int> cell_of_node, cell_of_triangle;
+  std::vector<int> surface_of_node, surface_of_triangle;
   Points forces;
   double longest_edge = 0.0;
 };
 
 // Four red cells, stretched by 10 % in a direction of their own, in a tilted cell.
-Scene make_scene(int n_nodes)
+RedCells make_scene(int n_nodes)
 {
-  Scene s;
+  RedCells s;
   s.cell = 6.0 * Mat3::Identity();
   s.cell(0, 2) = 0.35 * 6.0;
   const SurfaceMesh mesh = make_mesh(*make_red_cell(), n_nodes);
@@ -40,24 +40,26 @@ Scene make_scene(int n_nodes)
     s.nodes.middleCols(c * n, n) = (rotation * stretch * mesh.nodes).colwise() + center;
     for (const Triangle &t : mesh.triangles) {
       s.triangles.push_back({t[0] + c * n, t[1] + c * n, t[2] + c * n});
-      s.cell_of_triangle.push_back(c);
+      s.surface_of_triangle.push_back(c);
       TriangleNodes x, reference;
       for (int v = 0; v < 3; v++) {
         x[v] = s.nodes.col(t[v] + c * n);
         reference[v] = mesh.nodes.col(t[v]);
-        s.longest_edge =
-            std::max(s.longest_edge, (mesh.nodes.col(t[v]) - mesh.nodes.col(t[(v + 1) % 3])).norm());
+        s.longest_edge = std::max(s.longest_edge,
+                                  (mesh.nodes.col(t[v]) - mesh.nodes.col(t[(v + 1) % 3])).norm());
       }
-      const TriangleResponse response = compute_skalak_response(
-          SkalakLaw(2.0, 100.0), compute_reference_triangle(reference), x);
-      for (int v = 0; v < 3; v++) s.forces.col(t[v] + c * n) += response.force[v];
+      const TriangleResponse response =
+          compute_skalak_response(SkalakLaw(2.0, 100.0), compute_reference_triangle(reference), x);
+      for (int v = 0; v < 3; v++)
+        s.forces.col(t[v] + c * n) += response.force[v];
     }
-    for (int i = 0; i < n; i++) s.cell_of_node.push_back(c);
+    for (int i = 0; i < n; i++)
+      s.surface_of_node.push_back(c);
   }
   return s;
 }
 
-Evaluation evaluate(const Scene &s, double tolerance, double cutoff = 0.0,
+Evaluation evaluate(const RedCells &s, double tolerance, double cutoff = 0.0,
                     EwaldMethod method = EwaldMethod::Spme)
 {
   EwaldScene scene;
@@ -76,34 +78,48 @@ Evaluation evaluate(const Scene &s, double tolerance, double cutoff = 0.0,
   elements.set_geometry(ghosts.nodes(), s.triangles);
   const NearCandidates candidates = find_near_candidates(elements, ghosts.nodes());
   const Points shift = Points::Zero(3, s.triangles.size());
-  const Configuration configuration{ghosts.nodes(),   ghosts.n_owned(), s.triangles,
-                                    s.cell_of_triangle, s.cell_of_node,   shift,
-                                    candidates};
-  Suspension suspension(MPI_COMM_SELF, p, SuspensionSettings{});
+  const std::vector<int> no_index(s.nodes.cols(), -1);
+  const std::vector<Mat3> orientations;
+  const Configuration configuration{ghosts.nodes(),
+                                    ghosts.n_owned(),
+                                    s.triangles,
+                                    s.surface_of_triangle,
+                                    s.surface_of_node,
+                                    no_index,
+                                    shift,
+                                    s.nodes,
+                                    candidates,
+                                    orientations,
+                                    0};
+  Scene cells;
+  cells.surfaces.assign(4, Surface{SurfaceKind::Cell});
+  Suspension suspension(MPI_COMM_SELF, p, SuspensionSettings{}, cells);
   suspension.set_cell(s.cell, Vec3::Zero());
   CellVolumes volumes;
   volumes.current.resize(4);
-  return suspension.evaluate(configuration, s.forces, volumes, ghosts);
+  return suspension.evaluate(configuration, s.forces, Conditions(), CoupledFields(), volumes,
+                             ghosts);
 }
 
 }    // namespace
 
 TEST(Suspension, MeasuredErrorOfMembraneVelocitiesIsBelowTheTolerance)
 {
-  const Scene s = make_scene(162);
+  const RedCells s = make_scene(162);
   const Points exact = evaluate(s, 1e-9).velocity;
   for (EwaldMethod method : {EwaldMethod::Spme, EwaldMethod::Pswf})
     for (double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
       const Points velocity = evaluate(s, tolerance, 0.0, method).velocity;
       const double error = (velocity - exact).norm() / exact.norm();
-      std::printf("  %s: tolerance %.0e measured %.2e\n", describe(method).c_str(), tolerance, error);
+      std::printf("  %s: tolerance %.0e measured %.2e\n", describe(method).c_str(), tolerance,
+                  error);
       EXPECT_LE(error, tolerance);
     }
 }
 
 TEST(Suspension, VelocityDoesNotDependOnTheSplitBetweenRealAndFourierSpace)
 {
-  const Scene s = make_scene(162);
+  const RedCells s = make_scene(162);
   const Points a = evaluate(s, 1e-6, 1.2).velocity, b = evaluate(s, 1e-6, 2.5).velocity;
   EXPECT_LT((a - b).norm(), 2e-6 * a.norm());
 }
@@ -116,7 +132,7 @@ TEST(VolumeProjection, RemovesTheFluxOfEachCellAndNothingElse)
     void reverse_add(double *, int) override {}
     void sum(double *, int) override {}
   } alone;
-  const Scene s = make_scene(162);
+  const RedCells s = make_scene(162);
   FlatElements elements;
   elements.set_geometry(s.nodes, s.triangles);
   Points gradient = Points::Zero(3, s.nodes.cols());
@@ -128,11 +144,11 @@ TEST(VolumeProjection, RemovesTheFluxOfEachCellAndNothingElse)
   volumes.current[2] = 0.9;
   volumes.relaxation_rate = 0.5;
   const Points before = velocity;
-  project_volume(s.cell_of_node, gradient, volumes, alone, velocity);
+  project_volume(s.surface_of_node, gradient, volumes, alone, velocity);
   for (int c = 0; c < 4; c++) {
     double flux = 0.0;
     for (Eigen::Index i = 0; i < velocity.cols(); i++)
-      if (s.cell_of_node[i] == c) flux += velocity.col(i).dot(gradient.col(i));
+      if (s.surface_of_node[i] == c) flux += velocity.col(i).dot(gradient.col(i));
     EXPECT_NEAR(flux, c == 2 ? 0.05 : 0.0, 1e-13);
   }
   for (Eigen::Index i = 0; i < velocity.cols(); i++)

@@ -162,6 +162,97 @@ class OneCell(CreateCells):
         self.assertTrue(np.all(angles[:, 3] == 2) and np.all(hinges[:, 4] == 2))
         self.assertIn("in group 42", (self.folder / "log.test").read_text())
 
+    def test_bead(self):
+        for arguments, radius in (("", 0.532), ("diameter 1.5", 0.75), ("radius 0.6", 0.6)):
+            text, atoms, angles, _ = self.run_output(
+                f"create_cells bead {arguments} nodes 162 single 0 0 0\n")
+            self.assertAlmostEqual(enclosed_volume(atoms[:, 3:6], angles[:, :3] - 1) /
+                                   (4 / 3 * np.pi * radius**3), 1.0, places=12)
+            self.assertIn(f"sphere of radius {radius:g}", text)
+
+
+class MeshFromFile(CreateCells):
+    """An octahedron with unequal axes, given far from the origin; its center is that of volume."""
+
+    semi_axes = np.array([0.9, 0.6, 0.4])
+    corners = np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+    faces = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), (1, 0, 5), (2, 1, 5), (3, 2, 5), (0, 3, 5)]
+
+    def write(self, faces=None, name="body.off"):
+        faces = self.faces if faces is None else faces
+        lines = [f"OFF\n6 {len(faces)} 0"]
+        for corner in self.corners * self.semi_axes + [30, -20, 10]:
+            lines.append("%.17g %.17g %.17g" % tuple(corner))
+        lines += ["3 %d %d %d" % face for face in faces]
+        (self.folder / name).write_text("\n".join(lines) + "\n")
+
+    def write_stl(self):
+        out = ["solid body"]
+        for face in self.faces:
+            out += ["facet normal 0 0 0", "outer loop"]
+            for corner in (self.corners * self.semi_axes)[list(face)]:
+                out.append("vertex %.17g %.17g %.17g" % tuple(corner))
+            out += ["endloop", "endfacet"]
+        (self.folder / "body.stl").write_text("\n".join(out + ["endsolid body"]) + "\n")
+
+    def test_place_size_and_direction(self):
+        self.write()
+        self.write_stl()
+        volume = 4.0 / 3.0 * self.semi_axes.prod()
+        for name in ("body.off", "body.stl"):
+            for size, factor in (("", 1.0), ("scale 1.5", 1.5),
+                                 ("radius 0.8", 0.8 / np.cbrt(volume * 0.75 / np.pi))):
+                text, atoms, angles, hinges = self.run_output(
+                    f"create_cells mesh {name} {size} single 4.9 2 3 orientation 1 0 0\n")
+                self.assertEqual((len(atoms), len(angles), len(hinges)), (6, 8, 12))
+                x = atoms[:, 3:6]
+                np.testing.assert_allclose(x.mean(axis=0), [4.9, 2, 3], atol=1e-12)
+                self.assertAlmostEqual(enclosed_volume(x - x[0], angles[:, :3] - 1) /
+                                       (volume * factor**3), 1.0, places=10)
+                # the z axis of the file goes to x; the reference is the body in its own frame
+                np.testing.assert_allclose(np.ptp(x, axis=0), 2 * factor *
+                                           self.semi_axes[[2, 1, 0]], atol=1e-12)
+                np.testing.assert_allclose(np.ptp(atoms[:, 6:9], axis=0),
+                                           2 * factor * self.semi_axes, atol=1e-12)
+                self.assertIn(f"mesh of {name}, equivalent radius", text)
+
+    def test_same_on_1_2_and_4_ranks(self):
+        self.write()
+        results = []
+        for n_ranks in (1, 2, 4):
+            _, atoms, angles, hinges = self.run_output(
+                "create_cells mesh body.off single 1 1 3 orientation 1 1 0 roll 30\n"
+                "create_cells rbc nodes 42 random 6 3\n", n_ranks)
+            results.append((atoms, angles[np.lexsort(angles.T)], hinges[np.lexsort(hinges.T)]))
+        self.assertEqual(results[0][0][-1, 1], 7)
+        for other in results[1:]:
+            for one, two in zip(results[0], other):
+                np.testing.assert_array_equal(one, two)
+
+    def test_bad_input(self):
+        self.write()
+        self.write(self.faces[1:], "open.off")
+        self.write([face[::-1] for face in self.faces], "inside_out.off")
+        self.write([self.faces[0][::-1]] + self.faces[1:], "twisted.off")
+        for arguments, message in (
+                ("mesh body.off random 3 1", "can be placed with 'single x y z' only"),
+                ("mesh body.off hematocrit 0.1 1", "can be placed with 'single x y z' only"),
+                ("mesh body.off nodes 42 single 0 0 0", "nodes does not belong to mesh"),
+                ("mesh body.off thickness 1 single 0 0 0", "thickness does not belong to mesh"),
+                ("mesh body.off radius 1 scale 2 single 0 0 0", "both radius and scale"),
+                ("mesh body.off", "a placement is missing"),
+                ("mesh none.off single 0 0 0", "Mesh file none.off: cannot be opened"),
+                ("mesh open.off single 0 0 0", "open at the edge between nodes"),
+                ("mesh inside_out.off single 0 0 0", "the enclosed volume is -"),
+                ("mesh twisted.off single 0 0 0", "oriented against each other"),
+                ("mesh body.off scale 10 single 0 0 0", "half the shortest height of the box"),
+                ("sphere scale 2 nodes 42 single 0 0 0", "scale does not belong to sphere"),
+                ("bead radius 1 diameter 2 nodes 42 single 0 0 0", "both radius and diameter")):
+            self.assert_refused(f"create_cells {arguments}\n", message)
+        self.assert_refused("create_cells rbc nodes 162 single 0 0 0\n"
+                            "create_cells mesh body.off single 0 0 0.6 gap 0.1\n",
+                            "does not keep the gap 0.100000 to what is in the box", n_ranks=2)
+
 
 class ManyCells(CreateCells):
     def check_gap(self, atoms, angles, lattice, n_nodes, gap):
