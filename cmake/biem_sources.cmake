@@ -4,6 +4,7 @@ set(BIEM_SOURCE_DIR ${CMAKE_CURRENT_LIST_DIR}/../src/USER-BIEM)
 # Core: namespace biem, no LAMMPS header.
 set(BIEM_CORE_SOURCES
   biem_coupled_system.cpp
+  biem_coupled_walls.cpp
   biem_element_flat.cpp
   biem_ewald_cost.cpp
   biem_ewald_error_model.cpp

@@ -10,21 +10,6 @@ namespace {
 
 const Points kNone(3, 0);
 
-// A closed wall blocks a direction if the net area that it turns there is more than this part.
-constexpr double kBlockedArea = 1e-3;
-
-// Walls' values by their number within all walls, replicated on every rank.
-template <class IsIn>
-Points gather(const Configuration &c, PointsView field, Eigen::Index n, IsIn is_in,
-              NodeExchange &exchange)
-{
-  Points all = Points::Zero(3, n);
-  for (int i = 0; i < c.n_owned; i++)
-    if (const int k = is_in(i); k >= 0) all.col(k) = field.col(i);
-  exchange.sum(all.data(), static_cast<int>(all.size()));
-  return all;
-}
-
 }    // namespace
 
 OperatorProfile operator+(const OperatorProfile &a, const OperatorProfile &b)
@@ -51,8 +36,9 @@ CoupledSystem::CoupledSystem(MPI_Comm comm, const EwaldParameters &parameters, d
                              const SolverControl &control, const Scene &scene, Drive drive) :
     comm_(comm),
     scene_(scene), viscosity_(viscosity), layers_(scene.unknown_layers()),
-    has_double_(has_double(layers_)), has_mean_(drive == Drive::PressureDrop), operator_(comm, parameters),
-    field_operator_(comm, parameters), gmres_(comm, control)
+    has_double_(has_double(layers_)), has_mean_(drive == Drive::PressureDrop),
+    operator_(comm, parameters), field_operator_(comm, parameters), gmres_(comm, control),
+    walls_(drive)
 {
   int rank;
   MPI_Comm_rank(comm, &rank);
@@ -87,11 +73,7 @@ void CoupledSystem::set_geometry(const Configuration &c, NodeExchange &exchange)
                         c.nodes.cols(), exchange);
     set_row_sums(c, exchange);
   }
-  if (is_new && scene_.has(SurfaceKind::Wall)) {
-    if (!wall_inverse_) make_wall_inverse(c, exchange);
-    set_uniform_wall_forces(c, exchange);
-    set_null_vectors(c);
-  }
+  if (is_new && scene_.has(SurfaceKind::Wall)) set_walls(c, exchange);
   version_ = c.version;
 }
 
@@ -128,9 +110,9 @@ void CoupledSystem::set_topology(const Configuration &c, NodeExchange &exchange)
 // Of rigid particles the row sums are those of the shape; of deformable cells they change with it.
 void CoupledSystem::set_row_sums(const Configuration &c, NodeExchange &exchange)
 {
-  const bool has_contrast = std::any_of(
-      scene_.surfaces.begin(), scene_.surfaces.end(),
-      [](const Surface &s) { return s.kind == SurfaceKind::Cell && s.is_unknown(); });
+  const bool has_contrast =
+      std::any_of(scene_.surfaces.begin(), scene_.surfaces.end(),
+                  [](const Surface &s) { return s.kind == SurfaceKind::Cell && s.is_unknown(); });
   row_sums_.assign(c.n_owned, Mat3::Zero());
   if (has_contrast) {
     Eigen::VectorXd is_closed = Eigen::VectorXd::Zero(c.nodes.cols());
@@ -144,88 +126,32 @@ void CoupledSystem::set_row_sums(const Configuration &c, NodeExchange &exchange)
     const int s = surface_of_mode_[i];
     if (s < 0 || surface(s).kind != SurfaceKind::Rigid) continue;
     const Mat3 &r = c.orientations[s];
-    row_sums_[i] = r * body_inverses_[surface(s).shape]->row_sums()[c.index_of_node[i]] *
-                   r.transpose();
+    row_sums_[i] =
+        r * body_inverses_[surface(s).shape]->row_sums()[c.index_of_node[i]] * r.transpose();
   }
 }
 
-void CoupledSystem::make_wall_inverse(const Configuration &c, NodeExchange &exchange)
+void CoupledSystem::set_walls(const Configuration &c, NodeExchange &exchange)
 {
-  const Eigen::Index n = scene_.walls.nodes.cols();
-  auto wall_index = [&](int i) { return is_wall(i) ? c.index_of_node[i] : -1; };
-  auto respond = [&](const Points &densities) {
+  std::vector<int> index(c.n_owned, -1);
+  for (int i : unknown_nodes_)
+    if (is_wall(i)) index[i] = c.index_of_node[i];
+  auto respond = [&](PointsView densities) {
     Points field = Points::Zero(3, c.nodes.cols());
-    for (int i = 0; i < c.n_owned; i++)
-      if (const int k = wall_index(i); k >= 0) field.col(i) = densities.col(k);
+    field.leftCols(c.n_owned) = densities;
     exchange.forward(field.data(), 3);
-    const Points velocity = operator_.apply(Layers::Single, field, kNone, exchange) /
-                            (8.0 * M_PI * viscosity_);
-    return gather(c, velocity, n, wall_index, exchange);
+    return Points(operator_.apply(Layers::Single, field, kNone, exchange) /
+                  (8.0 * M_PI * viscosity_));
   };
-  wall_inverse_ = std::make_unique<WallInverse>(scene_.walls, respond);
-}
-
-// A unit pressure jump across a sheet moves nothing. Distributed anew when nodes have migrated.
-void CoupledSystem::set_null_vectors(const Configuration &c)
-{
-  const std::vector<Points> &jumps = wall_inverse_->null_vectors();
-  std::vector<Eigen::VectorXd> packed;
-  for (const Points &jump : jumps) {
-    CoupledFields fields{Points::Zero(3, c.n_owned)};
-    for (int i : unknown_nodes_)
-      if (is_wall(i)) fields.nodes.col(i) = jump.col(c.index_of_node[i]);
-    packed.push_back(pack(fields));
-  }
+  walls_.set_nodes(scene_.walls, std::move(index), surfaces_.areas(), volume_, respond, exchange);
+  mean_weight_ = std::sqrt(walls_.area());
+  // Distributed anew, as nodes have migrated.
+  const std::vector<Points> jumps = walls_.compute_null_vectors();
   Eigen::MatrixXd vectors(pack({Points::Zero(3, c.n_owned)}).size(),
                           static_cast<Eigen::Index>(jumps.size()));
-  for (size_t v = 0; v < packed.size(); v++)
-    vectors.col(static_cast<Eigen::Index>(v)) = packed[v];
+  for (size_t v = 0; v < jumps.size(); v++)
+    vectors.col(static_cast<Eigen::Index>(v)) = pack({jumps[v]});
   gmres_.set_null_vectors(vectors);
-}
-
-void CoupledSystem::set_uniform_wall_forces(const Configuration &c, NodeExchange &exchange)
-{
-  double area = 0.0;
-  Points jump_areas = Points::Zero(3, static_cast<Eigen::Index>(wall_inverse_->null_vectors().size()));
-  for (int i : unknown_nodes_) {
-    if (!is_wall(i)) continue;
-    area += surfaces_.areas()[i];
-    for (Eigen::Index v = 0; v < jump_areas.cols(); v++)
-      jump_areas.col(v) += surfaces_.areas()[i] * wall_inverse_->null_vectors()[v].col(c.index_of_node[i]);
-  }
-  exchange.sum(&area, 1);
-  exchange.sum(jump_areas.data(), static_cast<int>(jump_areas.size()));
-  mean_weight_ = std::sqrt(area);
-  for (int a = 0; a < 3; a++) {
-    is_blocked_[a] = jump_areas.cols() > 0 &&
-                     jump_areas.row(a).cwiseAbs().maxCoeff() > kBlockedArea * area;
-    uniform_wall_forces_[a] = Points::Zero(3, c.n_owned);
-    if (!is_blocked_[a]) {
-      const Points uniform = Vec3(Vec3::Unit(a)).replicate(1, scene_.walls.nodes.cols());
-      const Points forces = wall_inverse_->apply(uniform);
-      for (int i : unknown_nodes_)
-        if (is_wall(i)) uniform_wall_forces_[a].col(i) = -forces.col(c.index_of_node[i]);
-    }
-    uniform_loads_.col(a) = compute_wall_load(uniform_wall_forces_[a], exchange);
-  }
-  Mat3 loads = uniform_loads_;
-  for (int a = 0; a < 3; a++)
-    if (is_blocked_[a]) {
-      loads.row(a).setZero();
-      loads(a, a) = 1.0;
-    }
-  loads_to_velocity_ = loads.inverse();
-  for (int a = 0; a < 3; a++)
-    if (is_blocked_[a]) loads_to_velocity_.row(a).setZero();
-}
-
-Vec3 CoupledSystem::compute_wall_load(PointsView solution, NodeExchange &exchange) const
-{
-  Vec3 force = Vec3::Zero();
-  for (int i : unknown_nodes_)
-    if (is_wall(i)) force += surfaces_.areas()[i] * solution.col(i);
-  exchange.sum(force.data(), 3);
-  return -force / volume_;
 }
 
 void CoupledSystem::compute_densities(const Configuration &c, PointsView unknowns,
@@ -269,9 +195,9 @@ CoupledFields CoupledSystem::apply_operator(const Configuration &c, const Couple
       result.nodes.col(i) += modes_.compute_rigid(motions[s], i) + normal;
   }
   if (has_mean_) {
-    result.mean = loads_to_velocity_ * compute_wall_load(unknowns.nodes, exchange);
+    result.mean = walls_.to_velocity(walls_.compute_load(unknowns.nodes, exchange));
     for (int a = 0; a < 3; a++)
-      if (is_blocked_[a]) result.mean[a] = unknowns.mean[a];
+      if (walls_.is_blocked()[a]) result.mean[a] = unknowns.mean[a];
   }
   return result;
 }
@@ -292,7 +218,7 @@ CoupledFields CoupledSystem::apply_preconditioner(const Configuration &c,
         precondition_contrast(surface(s).viscosity_ratio, residual.nodes.col(i), rigid, normal);
   }
   if (!scene_.shapes.empty()) precondition_bodies(c, residual.nodes, result.nodes, exchange);
-  if (wall_inverse_) precondition_walls(c, residual, result, exchange);
+  if (!walls_.is_empty()) walls_.solve(residual, result, exchange);
   return result;
 }
 
@@ -309,9 +235,12 @@ void CoupledSystem::precondition_bodies(const Configuration &c, PointsView resid
     }
   auto body_index = [&](int i) {
     const int s = surface_of_unknown_[i];
-    return s >= 0 && first[s] >= 0 ? first[s] + c.index_of_node[i] : -1;
+    return first[s] >= 0 ? first[s] + c.index_of_node[i] : -1;
   };
-  const Points gathered = gather(c, residual, n, body_index, exchange);
+  Points gathered = Points::Zero(3, n);
+  for (int i : unknown_nodes_)
+    if (const int k = body_index(i); k >= 0) gathered.col(k) = residual.col(i);
+  exchange.sum(gathered.data(), static_cast<int>(gathered.size()));
   MPI_Comm_rank(comm_, &rank);
   MPI_Comm_size(comm_, &n_ranks);
   Points densities = Points::Zero(3, n);
@@ -327,32 +256,13 @@ void CoupledSystem::precondition_bodies(const Configuration &c, PointsView resid
     if (const int k = body_index(i); k >= 0) result.col(i) = densities.col(k);
 }
 
-// Exact for walls alone, with the mean velocity where that is unknown.
-void CoupledSystem::precondition_walls(const Configuration &c, const CoupledFields &residual,
-                                       CoupledFields &result, NodeExchange &exchange) const
-{
-  auto wall_index = [&](int i) { return is_wall(i) ? c.index_of_node[i] : -1; };
-  const Points densities = wall_inverse_->apply(
-      gather(c, residual.nodes, scene_.walls.nodes.cols(), wall_index, exchange));
-  for (int i : unknown_nodes_)
-    if (is_wall(i)) result.nodes.col(i) = -densities.col(c.index_of_node[i]);
-  if (!has_mean_) return;
-  result.mean =
-      residual.mean - loads_to_velocity_ * compute_wall_load(result.nodes, exchange);
-  for (int a = 0; a < 3; a++) {
-    if (is_blocked_[a]) result.mean[a] = residual.mean[a];
-    for (int i : unknown_nodes_)
-      if (is_wall(i)) result.nodes.col(i) += result.mean[a] * uniform_wall_forces_[a].col(i);
-  }
-}
-
 SolverReport CoupledSystem::solve(const Configuration &c, const CoupledFields &right_hand_side,
                                   CoupledFields &solution, NodeExchange &exchange)
 {
   CoupledFields wanted = right_hand_side;
-  if (has_mean_) wanted.mean = loads_to_velocity_ * right_hand_side.mean;
-  if (!has_double_) {    // walls alone: the preconditioner is the inverse
-    precondition_walls(c, wanted, solution, exchange);
+  if (has_mean_) wanted.mean = walls_.to_velocity(right_hand_side.mean);
+  if (!has_double_) {    // walls alone: their inverse is all that it takes
+    walls_.solve(wanted, solution, exchange);
     return SolverReport();
   }
   auto operate = [&](const Eigen::VectorXd &in, Eigen::VectorXd &out) {
@@ -399,8 +309,7 @@ Points CoupledSystem::compute_velocity(const Configuration &c, PointsView soluti
   std::vector<SurfaceMotion> motions;
   if (has_double_) motions = modes_.compute_motions(solution, exchange);
   compute_densities(c, solution, motions, exchange);
-  return field_operator_.apply(layers_, single_density_, double_density_, exchange) /
-         (8.0 * M_PI);
+  return field_operator_.apply(layers_, single_density_, double_density_, exchange) / (8.0 * M_PI);
 }
 
 // The mean velocity is with the first rank.

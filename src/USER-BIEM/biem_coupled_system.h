@@ -1,5 +1,5 @@
-// The unknowns of Eq. 5 of Zhao et al. 2012 in one configuration, [u of cells with another inside
-// viscosity, psi of rigid particles, f of walls]: operator, preconditioner, solution. Only the
+// The unknowns of Eq. 5 of Zhao et al. 2012 in one configuration, [u of cells with another
+// viscosity inside, psi of rigid particles, f of walls]: operator, preconditioner, solution. Only the
 // blocks that the scene has. Knows no membrane forces and no time. doc/theory, label coupled-system.
 //
 // With phi = (lambda - 1) u on cells, psi on particles, without rigid motions and net flux (~), and
@@ -11,6 +11,7 @@
 #ifndef BIEM_COUPLED_SYSTEM_H
 #define BIEM_COUPLED_SYSTEM_H
 
+#include "biem_coupled_walls.h"
 #include "biem_scene.h"
 #include "biem_solver_body.h"
 #include "biem_solver_gmres.h"
@@ -21,14 +22,6 @@ namespace biem {
 
 // Of two operators together.
 OperatorProfile operator+(const OperatorProfile &a, const OperatorProfile &b);
-
-enum class Drive { MeanVelocity, PressureDrop };
-
-// Values at the owned nodes (3 x n_owned), and the one that belongs to the mean velocity.
-struct CoupledFields {
-  Points nodes;
-  Vec3 mean = Vec3::Zero();
-};
 
 class CoupledSystem {
  public:
@@ -48,22 +41,16 @@ class CoupledSystem {
   // The velocity v, 3 x n_owned, that the solution causes at the nodes without unknowns; zero at
   // the others. Collective.
   Points compute_velocity(const Configuration &c, PointsView solution, NodeExchange &exchange);
-  // -1/V int f dA over all walls: the force per volume that the walls take. Collective.
-  Vec3 compute_wall_load(PointsView solution, NodeExchange &exchange) const;
-
   const SurfaceModes &modes() const { return modes_; }
   const SurfaceSubset &surfaces() const { return surfaces_; }
   bool is_unknown(int node) const { return surface_of_unknown_[node] >= 0; }
-  const WallInverse *wall_inverse() const { return wall_inverse_.get(); }
-  // Directions in which a closed wall lets no mean flow through.
-  const std::array<bool, 3> &is_blocked() const { return is_blocked_; }
+  const WallBlock &walls() const { return walls_; }
   OperatorProfile profile() const;
 
  private:
   void set_topology(const Configuration &c, NodeExchange &exchange);
-  void make_wall_inverse(const Configuration &c, NodeExchange &exchange);
+  void set_walls(const Configuration &c, NodeExchange &exchange);
   void set_row_sums(const Configuration &c, NodeExchange &exchange);
-  void set_null_vectors(const Configuration &c);
   // Densities of both layers from the unknowns, ghosts filled; for all nodes.
   void compute_densities(const Configuration &c, PointsView unknowns,
                          const std::vector<SurfaceMotion> &motions, NodeExchange &exchange);
@@ -73,9 +60,6 @@ class CoupledSystem {
                                      NodeExchange &exchange);
   void precondition_bodies(const Configuration &c, PointsView residual, Points &result,
                            NodeExchange &exchange) const;
-  void precondition_walls(const Configuration &c, const CoupledFields &residual,
-                          CoupledFields &result, NodeExchange &exchange) const;
-  void set_uniform_wall_forces(const Configuration &c, NodeExchange &exchange);
   Eigen::VectorXd pack(const CoupledFields &fields) const;
   CoupledFields unpack(const Eigen::VectorXd &unknowns, NodeExchange &exchange) const;
   [[noreturn]] void rethrow_with_surface(const NotConverged &e, const Configuration &c,
@@ -106,12 +90,7 @@ class CoupledSystem {
   bool has_others_ = false;       // on any rank
   Eigen::VectorXd weights_;       // sqrt(area) of the unknown nodes: norms are those of L2
   RowSums row_sums_;
-  std::unique_ptr<WallInverse> wall_inverse_;
-  // Force densities -W^-1 e_a that a uniform velocity asks of the walls, 3 x n_owned each; their
-  // load, column a; zero in blocked directions.
-  std::array<Points, 3> uniform_wall_forces_;
-  Mat3 uniform_loads_ = Mat3::Zero(), loads_to_velocity_ = Mat3::Zero();
-  std::array<bool, 3> is_blocked_{};
+  WallBlock walls_;
   std::vector<std::unique_ptr<BodyInverse>> body_inverses_;    // by shape
   Points single_density_, double_density_;                     // 3 x n_all
 };

@@ -2,7 +2,6 @@
 #include "biem_ewald_sum.h"
 #include "biem_cpu_clock.h"
 #include <cmath>
-#include <optional>
 
 namespace biem {
 
@@ -128,53 +127,61 @@ void PeriodicSum::add_layers(Layers layers, PointsView forces, PointsView densit
                              NodeExchange &exchange, PointsRef velocities)
 {
   CpuClock clock;
+  profile_.n_pairs = 0;
   if (has_mask_) velocities_.setZero(3, targets_.cols());
   PointsRef near = has_mask_ ? PointsRef(velocities_) : velocities;
-  fourier_.begin(layers);
-  double moments[4] = {};
-  profile_.n_pairs = 0;
-  for (Group &group : groups_) {
-    const auto common = find_common(group.carried, layers);
-    if (!group.is_present || !common) continue;
-    clock.restart();
-    if (!group.is_whole && has_single(*common)) gather(forces, group.index, group.forces);
-    if (!group.is_whole && has_double(*common)) gather(densities, group.index, group.densities);
-    const PointsView f = group.is_whole ? forces : PointsView(group.forces);
-    const PointsView q = group.is_whole ? densities : PointsView(group.densities);
-    group.real_space.add_layers(*common, f, q, near);
-    profile_.n_pairs += group.real_space.n_pairs();
-    profile_.real_space += clock.restart();
-    fourier_.spread(group.carried, *common, f, q);
-    if (has_double(*common)) add_moments(group, q, moments);
-  }
-  clock.restart();
+  for (Group &group : groups_)
+    if (const auto common = group.find_common(layers)) {
+      if (!group.is_whole && has_single(*common)) gather(forces, group.index, group.forces);
+      if (!group.is_whole && has_double(*common)) gather(densities, group.index, group.densities);
+      group.real_space.add_layers(*common, group.is_whole ? forces : PointsView(group.forces),
+                                  group.is_whole ? densities : PointsView(group.densities), near);
+      profile_.n_pairs += group.real_space.n_pairs();
+    }
   if (has_mask_) scatter_add(velocities_, target_index_, velocities);
+  profile_.real_space += clock.restart();
   exchange.reverse_add(velocities.data(), 3);
   profile_.ghosts += clock.restart();
   if (has_mask_) velocities_.setZero(3, n_owned_targets_);
-  PointsRef smooth = has_mask_ ? PointsRef(velocities_) : velocities.leftCols(n_owned_targets_);
-  fourier_.add_velocities(smooth);
-  if (has_double(layers)) add_mean(moments, smooth);
+  add_smooth(layers, forces, densities,
+             has_mask_ ? PointsRef(velocities_) : velocities.leftCols(n_owned_targets_));
   if (has_mask_) scatter_add(velocities_, target_index_, velocities);
 }
 
-void PeriodicSum::add_moments(const Group &group, PointsView densities, double *moments)
+void PeriodicSum::add_smooth(Layers layers, PointsView forces, PointsView densities,
+                             PointsRef velocities)
 {
-  for (Eigen::Index s = 0; s < densities.cols(); s++) {
-    const double flux = densities.col(s).dot(group.normals.col(s));
-    for (int a = 0; a < 3; a++)
-      moments[a] += flux * group.unwrapped(a, s);
-    moments[3] += flux;
-  }
-}
-
-void PeriodicSum::add_mean(double *moments, PointsRef velocities) const
-{
+  double moments[4] = {};    // sum (q.n) y, sum q.n
+  fourier_.begin(layers);
+  for (const Group &group : groups_)
+    if (const auto common = group.find_common(layers)) {
+      const PointsView q = group.is_whole ? densities : PointsView(group.densities);
+      const PointsView f = group.is_whole ? forces : PointsView(group.forces);
+      fourier_.spread(group.carried, *common, f, q);
+      if (has_double(*common)) group.add_moments(q, moments);
+    }
+  fourier_.add_velocities(velocities);
+  if (!has_double(layers)) return;
   MPI_Allreduce(MPI_IN_PLACE, moments, 4, MPI_DOUBLE, MPI_SUM, comm_);
   const Vec3 moment(moments[0], moments[1], moments[2]);
   velocities += 8.0 * M_PI / volume_ *
                 (moment.replicate(1, n_owned_targets_) -
                  moments[3] * targets_.leftCols(n_owned_targets_));
+}
+
+std::optional<Layers> PeriodicSum::Group::find_common(Layers layers) const
+{
+  return is_present ? biem::find_common(carried, layers) : std::nullopt;
+}
+
+void PeriodicSum::Group::add_moments(PointsView q, double *moments) const
+{
+  for (Eigen::Index s = 0; s < q.cols(); s++) {
+    const double flux = q.col(s).dot(normals.col(s));
+    for (int a = 0; a < 3; a++)
+      moments[a] += flux * unwrapped(a, s);
+    moments[3] += flux;
+  }
 }
 
 PeriodicSumProfile PeriodicSum::profile() const

@@ -12,6 +12,7 @@
 #include "biem_ewald_real_space.h"
 #include "biem_node_exchange.h"
 #include <mpi.h>
+#include <optional>
 
 namespace biem {
 
@@ -61,6 +62,8 @@ class PeriodicSum {
   // Sources that carry the same layers.
   struct Group {
     Group(Layers layers, const RealSpaceKernel &kernel) : carried(layers), real_space(kernel) {}
+    std::optional<Layers> find_common(Layers layers) const;    // what it carries of them, if any
+    void add_moments(PointsView q, double *moments) const;     // sum (q.n) y, sum q.n
 
     Layers carried;
     RealSpaceSum real_space;
@@ -73,9 +76,8 @@ class PeriodicSum {
   void set_targets(const PeriodicPoints &points);
   void list_groups(const PeriodicPoints &points, Layers layers);
   void set_sources(const PeriodicPoints &points, Group &group);
-  // moments: sum (q.n) y, sum q.n of one group
-  static void add_moments(const Group &group, PointsView densities, double *moments);
-  void add_mean(double *moments, PointsRef velocities) const;
+  // velocities (3 x owned targets) += Fourier part and k = 0 term; strengths of groups gathered.
+  void add_smooth(Layers layers, PointsView forces, PointsView densities, PointsRef velocities);
 
   MPI_Comm comm_;
   EwaldParameters parameters_;

@@ -26,7 +26,8 @@ std::vector<T> gather_on_first(const std::vector<T> &own, MPI_Datatype datatype,
   MPI_Comm_size(world, &n_ranks);
   std::vector<int> counts(n_ranks), offsets(n_ranks + 1, 0);
   MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, world);
-  for (int i = 0; i < n_ranks; i++) offsets[i + 1] = offsets[i] + counts[i];
+  for (int i = 0; i < n_ranks; i++)
+    offsets[i + 1] = offsets[i] + counts[i];
   std::vector<T> all(rank == 0 ? offsets[n_ranks] : 0);
   MPI_Gatherv(own.data(), n, datatype, all.data(), counts.data(), offsets.data(), datatype, 0,
               world);
@@ -57,13 +58,15 @@ biem::PackingObstacles gather_obstacles(LAMMPS *lmp, const std::string &command)
   // sorted by ID, so that sums over nodes come out the same on any number of ranks
   const int n_nodes = static_cast<int>(tags.size());
   std::vector<int> order(n_nodes);
-  for (int i = 0; i < n_nodes; i++) order[i] = i;
+  for (int i = 0; i < n_nodes; i++)
+    order[i] = i;
   std::sort(order.begin(), order.end(), [&](int i, int j) { return tags[i] < tags[j]; });
   biem::PackingObstacles obstacles;
   obstacles.nodes.resize(3, n_nodes);
   std::unordered_map<tagint, int> index;
   for (int i = 0; i < n_nodes; i++) {
-    for (int k = 0; k < 3; k++) obstacles.nodes(k, i) = x[3 * order[i] + k];
+    for (int k = 0; k < 3; k++)
+      obstacles.nodes(k, i) = x[3 * order[i] + k];
     index[tags[order[i]]] = i;
   }
   for (std::size_t i = 0; i < corners.size(); i += 3) {
@@ -93,16 +96,15 @@ void CellCreation::prepare_topology(const CellTemplate &cell)
   const int n_angles = cell.load.max_triangles, n_dihedrals = cell.load.max_hinges;
   if (atom->natoms > 0) {
     if (atom->angle_per_atom >= n_angles && atom->dihedral_per_atom >= n_dihedrals) return;
-    error->all(FLERR,
-               command_ + ": each atom stores up to " + std::to_string(n_angles) +
-                   " angles and " + std::to_string(n_dihedrals) +
-                   " dihedrals, but the box was created with room for " +
-                   std::to_string(atom->angle_per_atom) + " and " +
-                   std::to_string(atom->dihedral_per_atom) +
-                   " and holds atoms already: add 'extra/angle/per/atom " +
-                   std::to_string(n_angles) + " extra/dihedral/per/atom " +
-                   std::to_string(std::max(n_dihedrals, kUsualDihedrals)) +
-                   "' to create_box or read_data, or use " + command_ + " before other atoms");
+    error->all(
+        FLERR,
+        command_ + ": each atom stores up to " + std::to_string(n_angles) + " angles and " +
+            std::to_string(n_dihedrals) + " dihedrals, but the box was created with room for " +
+            std::to_string(atom->angle_per_atom) + " and " +
+            std::to_string(atom->dihedral_per_atom) +
+            " and holds atoms already: add 'extra/angle/per/atom " + std::to_string(n_angles) +
+            " extra/dihedral/per/atom " + std::to_string(std::max(n_dihedrals, kUsualDihedrals)) +
+            "' to create_box or read_data, or use " + command_ + " before other atoms");
   }
   atom->angle_per_atom = std::max({atom->angle_per_atom, n_angles, kUsualAngles});
   atom->dihedral_per_atom = std::max({atom->dihedral_per_atom, n_dihedrals, kUsualDihedrals});
@@ -117,10 +119,10 @@ void CellCreation::prepare_reference()
     modify->add_fix(std::string(kReference) + " all property/atom d2_" + kReference +
                     " 3 ghost yes");
   if (atom->find_custom(kReference, is_double, n_columns) < 0 || !is_double || n_columns != 3)
-    error->all(FLERR,
-               command_ + ": the per-atom property biem_reference exists but is not of the form "
-               "d2_biem_reference with 3 columns: remove your fix property/atom, " + command_ +
-               " makes its own");
+    error->all(FLERR, command_ +
+                          ": the per-atom property biem_reference exists but is not of the form "
+                          "d2_biem_reference with 3 columns: remove your fix property/atom, " +
+                          command_ + " makes its own");
 }
 
 tagint CellCreation::add(const CellTemplate &cell,
@@ -128,7 +130,8 @@ tagint CellCreation::add(const CellTemplate &cell,
                          const CellLabels &labels)
 {
   tagint largest = 0, first_tag;
-  for (int i = 0; i < atom->nlocal; i++) largest = std::max(largest, atom->tag[i]);
+  for (int i = 0; i < atom->nlocal; i++)
+    largest = std::max(largest, atom->tag[i]);
   MPI_Allreduce(&largest, &first_tag, 1, MPI_LMP_TAGINT, MPI_MAX, world);
   first_tag++;
   const bigint n_nodes = cell.mesh.nodes.cols(), n_cells = placements.size();
@@ -165,8 +168,8 @@ bool CellCreation::is_owned(const double *x) const
     x = lamda;
   }
   for (int k = 0; k < 3; k++) {
-    const double inside = std::min(std::max(x[k], box_low[k]),
-                                   std::nextafter(box_high[k], box_low[k]));
+    const double inside =
+        std::min(std::max(x[k], box_low[k]), std::nextafter(box_high[k], box_low[k]));
     if (inside < low[k] || inside >= high[k]) return false;
   }
   return true;
@@ -179,7 +182,7 @@ void CellCreation::add_cell(const CellTemplate &cell, const biem::RigidPlacement
     const biem::Vec3 position = placement.center + placement.rotation * cell.mesh.nodes.col(node);
     double x[3] = {position[0], position[1], position[2]};
     imageint image = (static_cast<imageint>(IMGMAX) << IMG2BITS) |
-        (static_cast<imageint>(IMGMAX) << IMGBITS) | IMGMAX;
+                     (static_cast<imageint>(IMGMAX) << IMGBITS) | IMGMAX;
     domain->remap(x, image);
     if (!is_owned(x)) continue;
     atom->avec->create_atom(1, x);

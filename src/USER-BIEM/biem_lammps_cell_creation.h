@@ -22,8 +22,8 @@ struct CellTemplate {
 // What every atom of the new cells has in common.
 struct CellLabels {
   int type, angle_type, dihedral_type;
-  int group_bits;            // besides all
-  tagint first_molecule;     // of the first cell; the others follow
+  int group_bits;           // besides all
+  tagint first_molecule;    // of the first cell; the others follow
 };
 
 // All atoms and their angles, taken as triangles. On rank 0; empty on the others. Collective.

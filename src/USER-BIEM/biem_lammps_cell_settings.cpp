@@ -20,9 +20,11 @@ struct ShapeArguments {
 };
 
 // Which keywords give the size of which shape.
-const std::map<std::string, std::string> kSizeKeywords = {
-    {"rbc", "radius"}, {"sphere", "radius"}, {"platelet", "diameter thickness edge"},
-    {"bead", "radius diameter"}, {"mesh", "radius scale"}};
+const std::map<std::string, std::string> kSizeKeywords = {{"rbc", "radius"},
+                                                          {"sphere", "radius"},
+                                                          {"platelet", "diameter thickness edge"},
+                                                          {"bead", "radius diameter"},
+                                                          {"mesh", "radius scale"}};
 
 class CellArguments : public CommandArguments {
  public:
@@ -52,7 +54,8 @@ CellSettings CellArguments::parse()
   if (!kSizeKeywords.count(shape_.name))
     fail("unknown shape '" + shape_.name + "': choose rbc, sphere, platelet, bead or mesh");
   if (shape_.name == "mesh") settings_.mesh_file = word("mesh");
-  while (!is_done()) parse_keyword(keyword());
+  while (!is_done())
+    parse_keyword(keyword());
   check_complete();
   check_size();
   if (shape_.name == "mesh") return std::move(settings_);
@@ -82,7 +85,8 @@ void CellArguments::parse_keyword(const std::string &keyword)
   } else if (keyword == "dihedral_type") {
     settings_.dihedral_type = positive_integer(keyword);
   } else {
-    fail("unknown keyword '" + keyword + "': allowed are radius, diameter, thickness, edge, scale, "
+    fail("unknown keyword '" + keyword +
+         "': allowed are radius, diameter, thickness, edge, scale, "
          "nodes, single, random, hematocrit, orientation, roll, gap, type, angle_type, "
          "dihedral_type, molecule, group");
   }
@@ -90,8 +94,8 @@ void CellArguments::parse_keyword(const std::string &keyword)
 
 bool CellArguments::parse_shape_keyword(const std::string &keyword)
 {
-  if (keyword != "radius" && keyword != "diameter" && keyword != "thickness" &&
-      keyword != "edge" && keyword != "scale")
+  if (keyword != "radius" && keyword != "diameter" && keyword != "thickness" && keyword != "edge" &&
+      keyword != "scale")
     return false;
   const std::string &own = kSizeKeywords.at(shape_.name);
   if (own.find(keyword) == std::string::npos)
@@ -116,7 +120,8 @@ bool CellArguments::parse_placement(const std::string &keyword)
     fail("'" + keyword + "' after another placement: give one of single, random, hematocrit");
   if (keyword == "single") {
     settings_.placement = Placement::Single;
-    for (int k = 0; k < 3; k++) settings_.center[k] = number("single x y z");
+    for (int k = 0; k < 3; k++)
+      settings_.center[k] = number("single x y z");
     return true;
   }
   if (keyword == "random") {
@@ -142,7 +147,8 @@ void CellArguments::parse_orientation()
   }
   step_back();
   settings_.orientation = CellSettings::Orientation::Axis;
-  for (int k = 0; k < 3; k++) settings_.axis[k] = number("orientation ex ey ez");
+  for (int k = 0; k < 3; k++)
+    settings_.axis[k] = number("orientation ex ey ez");
   if (!(settings_.axis.norm() > 0.0)) fail("orientation 0 0 0 is no direction");
 }
 

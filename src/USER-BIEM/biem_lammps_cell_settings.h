@@ -16,10 +16,10 @@ struct CellSettings {
   enum class Placement { None, Single, Random, Hematocrit };
   enum class Orientation { Default, Random, Axis };
 
-  std::unique_ptr<biem::Shape> shape;        // none: a mesh from a file
+  std::unique_ptr<biem::Shape> shape;    // none: a mesh from a file
   std::string mesh_file;
-  double mesh_scale = 1.0;                   // of the lengths in the file
-  double mesh_radius = 0.0;                  // of the sphere of equal volume; 0: not given
+  double mesh_scale = 1.0;     // of the lengths in the file
+  double mesh_radius = 0.0;    // of the sphere of equal volume; 0: not given
   int n_nodes = 0;
   Placement placement = Placement::None;
   biem::Vec3 center = biem::Vec3::Zero();    // single
@@ -28,8 +28,8 @@ struct CellSettings {
   std::uint64_t seed = 0;
   Orientation orientation = Orientation::Default;
   biem::Vec3 axis = biem::Vec3::UnitZ();
-  double roll = 0.0;              // rad, about the axis
-  double gap = -1.0;              // length; negative: not given
+  double roll = 0.0;    // rad, about the axis
+  double gap = -1.0;    // length; negative: not given
   SurfaceLabels labels;
   int dihedral_type = 1;
 };

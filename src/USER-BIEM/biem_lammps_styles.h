@@ -11,12 +11,12 @@
 #include "dihedral_biem_bend.h"
 #include "fix_biem.h"
 
-#define BIEM_STYLES(STYLE)                                            \
-  STYLE(angle, "biem/skalak", Angle, AngleBiemSkalak)                 \
-  STYLE(dihedral, "biem/bend", Dihedral, DihedralBiemBend)            \
-  STYLE(compute, "biem/cell", Compute, ComputeBiemCell)               \
-  STYLE(fix, "biem", Fix, FixBiem)                                    \
-  STYLE(command, "create_cells", Command, CreateCells)                \
+#define BIEM_STYLES(STYLE)                                 \
+  STYLE(angle, "biem/skalak", Angle, AngleBiemSkalak)      \
+  STYLE(dihedral, "biem/bend", Dihedral, DihedralBiemBend) \
+  STYLE(compute, "biem/cell", Compute, ComputeBiemCell)    \
+  STYLE(fix, "biem", Fix, FixBiem)                         \
+  STYLE(command, "create_cells", Command, CreateCells)     \
   STYLE(command, "create_wall", Command, CreateWall)
 
 namespace LAMMPS_NS {

@@ -54,14 +54,16 @@ void SurfaceCommand::check_edges(double longest_edge)
   const double half = 0.5 * lattice.heights().minCoeff();
   if (longest_edge >= half)
     fail("the longest edge of the mesh, " + std::to_string(longest_edge) + ", must be less than " +
-         std::to_string(half) + ", half the shortest height of the box: use more nodes or a larger "
+         std::to_string(half) +
+         ", half the shortest height of the box: use more nodes or a larger "
          "box");
 }
 
 tagint SurfaceCommand::compute_first_molecule(tagint wanted, int n_surfaces)
 {
   tagint largest = 0, next = 0;
-  for (int i = 0; i < atom->nlocal; i++) largest = std::max(largest, atom->molecule[i]);
+  for (int i = 0; i < atom->nlocal; i++)
+    largest = std::max(largest, atom->molecule[i]);
   MPI_Allreduce(&largest, &next, 1, MPI_LMP_TAGINT, MPI_MAX, world);
   next++;
   if (wanted == 0) return next;

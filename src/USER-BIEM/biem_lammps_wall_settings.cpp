@@ -8,8 +8,7 @@ namespace {
 
 class WallArguments : public CommandArguments {
  public:
-  WallArguments(LAMMPS *lmp, int narg, char **arg) :
-      CommandArguments(lmp, "create_wall", narg, arg)
+  WallArguments(LAMMPS *lmp, int narg, char **arg) : CommandArguments(lmp, "create_wall", narg, arg)
   {
   }
 
@@ -32,7 +31,8 @@ class WallArguments : public CommandArguments {
 WallSettings WallArguments::parse()
 {
   parse_shape();
-  while (!is_done()) parse_keyword(keyword());
+  while (!is_done())
+    parse_keyword(keyword());
   check_complete();
   return settings_;
 }
@@ -71,7 +71,8 @@ void WallArguments::parse_keyword(const std::string &name)
   if (parse_label(name, settings_.labels) || parse_lattice_keyword(name) ||
       parse_file_keyword(name))
     return;
-  fail("unknown keyword '" + name + "': allowed are edge, axis, radius, center, scale, move, type, "
+  fail("unknown keyword '" + name +
+       "': allowed are edge, axis, radius, center, scale, move, type, "
        "angle_type, molecule, group");
 }
 
@@ -98,7 +99,8 @@ bool WallArguments::parse_file_keyword(const std::string &name)
   if (settings_.shape != Shape::Mesh) fail(name + " does not belong to " + shape_);
   if (name == "scale") settings_.scale = positive(name);
   if (name == "move")
-    for (int k = 0; k < 3; k++) settings_.shift[k] = number("move dx dy dz");
+    for (int k = 0; k < 3; k++)
+      settings_.shift[k] = number("move dx dy dz");
   return true;
 }
 

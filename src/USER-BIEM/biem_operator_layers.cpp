@@ -56,10 +56,11 @@ void check_sizes(const SurfaceShare &s)
                 std::to_string(s.element_layers->size()) + " layers and " +
                 std::to_string(s.triangles.size()) +
                 " triangles; give one of each for every element");
-  if (s.candidates.start.size() != n_elements + 1)
-    throw Error("layer operator: near candidates are given for " +
-                std::to_string(s.candidates.start.size()) + " - 1 elements, but there are " +
-                std::to_string(n_elements) + "; select the candidates of these elements");
+  const size_t n_ends = s.candidates.start.empty() ? 0 : s.candidates.start.size() - 1;
+  if (n_ends != n_elements)
+    throw Error("layer operator: near candidates are given for " + std::to_string(n_ends) +
+                " elements, but there are " + std::to_string(n_elements) +
+                "; select the candidates of these elements");
 }
 
 }    // namespace

@@ -59,7 +59,8 @@ class LayerOperator {
   // Collective.
   Points apply(Layers layers, PointsView single_density, PointsView double_density,
                NodeExchange &exchange);
-  // Three applications of the double layer, once per geometry. is_closed: n_all, 1 at the nodes of
+  // Three applications of the double layer, once per geometry; compute_free_row_sums() is cheaper
+  // where a rank has a whole surface. is_closed: n_all, 1 at the nodes of
   // the closed surfaces that carry double layers, 0 elsewhere, ghosts filled. Collective.
   RowSums compute_row_sums(const Eigen::Ref<const Eigen::VectorXd> &is_closed,
                            NodeExchange &exchange);

@@ -72,8 +72,8 @@ void Suspension::measure_volumes(const Configuration &c, CellVolumes &volumes,
   for (size_t e = 0; e < parents.size(); e++) {
     const int s = c.surface_of_triangle[parents[e]];
     if (scene_.surfaces[s].kind == SurfaceKind::Cell)
-      volumes.current[s] += force_surfaces_.elements().volume(static_cast<int>(e),
-                                                              -c.triangle_shift.col(parents[e]));
+      volumes.current[s] +=
+          force_surfaces_.elements().volume(static_cast<int>(e), -c.triangle_shift.col(parents[e]));
   }
   exchange.sum(volumes.current.data(), static_cast<int>(volumes.current.size()));
 }
@@ -111,7 +111,9 @@ void Suspension::spread_body_forces(const Configuration &c, PointsView forces, P
   const SurfaceModes &modes = coupled_->modes();
   const size_t n = scene_.surfaces.size();
   std::vector<double> loads(6 * n, 0.0);
-  auto load = [&](int s, int first) { return Eigen::Map<Vec3>(&loads[6 * s + first]); };
+  auto load = [&](int s, int first) {
+    return Eigen::Map<Vec3>(&loads[6 * s + first]);
+  };
   for (int i = 0; i < c.n_owned; i++) {
     if (!is_kind(c, i, SurfaceKind::Rigid)) continue;
     const int s = c.surface_of_node[i];
@@ -171,7 +173,9 @@ void Suspension::solve_coupled(const Configuration &c, PointsView forces,
   check_blocked_flow(conditions);
   const SurfaceModes &modes = coupled_->modes();
   const Mat3 &gradient = conditions.flow.gradient;
-  auto surface_of = [&](int i) -> const Surface & { return scene_.surfaces[c.surface_of_node[i]]; };
+  auto surface_of = [&](int i) -> const Surface & {
+    return scene_.surfaces[c.surface_of_node[i]];
+  };
   // Unknowns of a closed surface are relative to the background flow at its centroid: a shear is
   // then the same for all images of the surface.
   CoupledFields wanted{result.velocity};
@@ -222,21 +226,22 @@ void Suspension::solve_coupled(const Configuration &c, PointsView forces,
 
 void Suspension::check_blocked_flow(const Conditions &conditions) const
 {
-  if (!coupled_->wall_inverse()) return;
+  if (coupled_->walls().is_empty()) return;
   if (!conditions.flow.gradient.isZero(0.0))
     throw Error("a linear background flow cannot be combined with walls: shear the fluid by walls "
                 "that move");
   const double size = std::max(conditions.flow.mean.norm(), conditions.pressure_drop.norm());
   for (int a = 0; a < 3; a++) {
-    if (!coupled_->is_blocked()[a]) continue;
+    if (!coupled_->walls().is_blocked()[a]) continue;
     const std::string axis(1, "xyz"[a]);
     if (std::fabs(conditions.flow.mean[a]) > 1e-12 * size)
       throw Error("mean velocity " + std::to_string(conditions.flow.mean[a]) + " along " + axis +
                   " would go through a closed wall; it must be zero there");
     if (std::fabs(conditions.pressure_drop[a]) > 1e-12 * size)
       throw Error("pressure drop " + std::to_string(conditions.pressure_drop[a]) + " along " +
-                  axis + " acts on a closed wall, which lets nothing through; it must be zero "
-                         "there");
+                  axis +
+                  " acts on a closed wall, which lets nothing through; it must be zero "
+                  "there");
     for (const Surface &s : scene_.surfaces)
       if (s.kind == SurfaceKind::Wall && s.velocity[a] != 0.0)
         throw Error("wall velocity " + std::to_string(s.velocity[a]) + " along " + axis +

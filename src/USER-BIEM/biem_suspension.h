@@ -37,10 +37,10 @@ struct Conditions {
 
 // Results on the owned nodes.
 struct Evaluation {
-  Points velocity;          // 3 x n_owned, relative to the background flow
-  Points traction;          // 3 x n_owned, force density on the fluid (walls: on both sides)
-  Eigen::VectorXd areas;    // n_owned
-  CoupledFields solution;   // of the coupled system: initial guess of the next evaluation
+  Points velocity;           // 3 x n_owned, relative to the background flow
+  Points traction;           // 3 x n_owned, force density on the fluid (walls: on both sides)
+  Eigen::VectorXd areas;     // n_owned
+  CoupledFields solution;    // of the coupled system: initial guess of the next evaluation
   SolverReport solver;
   // By surface, of rigid particles: motion of the centroid of the surface relative to the
   // background flow there; where that is.

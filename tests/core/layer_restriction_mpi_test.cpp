@@ -81,6 +81,21 @@ TEST(RestrictedLayerOperator, OfSurfacesWithDifferentLayersIsTheSumOfOneOperator
   }
 }
 
+TEST(RestrictedLayerOperator, KnowsTheLayersOfANodeWhoseElementsAreAllOnAnotherRank)
+{
+  const Scene scene = make_two_spheres(162);    // the second one's top lies in the next cell
+  const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
+  const Points single = Distributed(MPI_COMM_WORLD, scene, 1e-4, Layers::Single, {{1}, {}})
+                            .apply(Layers::Single, f, kNone);
+  const Points dual = Distributed(MPI_COMM_WORLD, scene, 1e-4, Layers::Double, {{0}, {}})
+                          .apply(Layers::Double, kNone, q);
+  Distributed mixed(MPI_COMM_WORLD, scene, 1e-4, Layers::Both,
+                    {{}, {Layers::Double, Layers::Single}});
+  const Points expected = single + dual;
+  EXPECT_LT(compute_largest(mixed.apply(Layers::Both, f, q) - expected),
+            1e-12 * compute_largest(expected));
+}
+
 TEST(RestrictedLayerOperator, PaysOnlyForTheLayersThatAreCarriedAndForItsTargets)
 {
   const Scene scene = make_three_spheres(42);
