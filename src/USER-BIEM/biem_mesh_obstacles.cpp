@@ -39,8 +39,9 @@ Vec3 compute_nearest_weights(const Vec3 &p, const Vec3 &a, const Vec3 &b, const 
   return Vec3(va, vb, vc) / (va + vb + vc);
 }
 
-// Whether the line from p - arm to p goes through the triangle (Moeller & Trumbore, J. Graphics
-// Tools 2, 21 (1997)).
+}    // namespace
+
+// Moeller & Trumbore, J. Graphics Tools 2, 21 (1997).
 bool is_crossed(const Mat3 &corners, const Vec3 &p, const Vec3 &arm)
 {
   const Vec3 ab = corners.col(1) - corners.col(0), ac = corners.col(2) - corners.col(0);
@@ -52,8 +53,6 @@ bool is_crossed(const Mat3 &corners, const Vec3 &p, const Vec3 &arm)
   const double u = normal.dot(hit.cross(ac)), v = normal.dot(ab.cross(hit));
   return u >= 0.0 && v >= 0.0 && u + v <= normal.squaredNorm();
 }
-
-}    // namespace
 
 MeshObstacles::MeshObstacles(const MeshLattice &lattice, const Points &nodes,
                              const std::vector<Triangle> &triangles, double reach,

@@ -11,6 +11,9 @@
 
 namespace biem {
 
+// Whether the straight line from p - arm to p goes through the triangle; corners in columns.
+bool is_crossed(const Mat3 &corners, const Vec3 &p, const Vec3 &arm);
+
 class MeshObstacles {
  public:
   // nodes: 3 x n in any periodic images; nodes without a triangle are points with no inside.
