@@ -154,7 +154,7 @@ Measurement measure(MPI_Comm comm, const RedCells &cells, const EwaldScene &scen
   SuspensionShare share(comm, cells, reach);
   Scene scene;
   scene.surfaces.assign(cells.n_cells, Surface{SurfaceKind::Cell});
-  Suspension suspension(comm, result.parameters, SuspensionSettings(), scene);
+  Suspension suspension(comm, {result.parameters, result.parameters}, SuspensionSettings(), scene);
   suspension.set_cell(cells.box, Vec3::Zero());
   CellVolumes volumes;
   volumes.reference.assign(cells.n_cells, 4.0 * M_PI / 3.0);

@@ -24,6 +24,7 @@ set(BIEM_CORE_SOURCES
   biem_membrane_bend.cpp
   biem_membrane_skalak.cpp
   biem_mesh_clearance.cpp
+  biem_mesh_crossings.cpp
   biem_mesh_file.cpp
   biem_mesh_icosphere.cpp
   biem_mesh_moments.cpp
@@ -50,18 +51,22 @@ set(BIEM_CORE_SOURCES
   biem_solver_wall.cpp
   biem_stepper.cpp
   biem_surface_modes.cpp
+  biem_surface_replicas.cpp
   biem_surface_subset.cpp
   biem_suspension.cpp
 )
 
 # Bridge: the only part of the package that knows both the core and LAMMPS.
 set(BIEM_BRIDGE_SOURCES
+  biem_lammps_atom_directory.cpp
   biem_lammps_bridge.cpp
   biem_lammps_cell_creation.cpp
   biem_lammps_cell_settings.cpp
   biem_lammps_command_arguments.cpp
   biem_lammps_gather.cpp
   biem_lammps_output.cpp
+  biem_lammps_overlap_check.cpp
+  biem_lammps_parameters.cpp
   biem_lammps_particles.cpp
   biem_lammps_report.cpp
   biem_lammps_script_check.cpp

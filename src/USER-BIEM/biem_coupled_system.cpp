@@ -1,6 +1,7 @@
 // Coupled unknowns of cells, particles and walls: see the header.
 #include "biem_coupled_system.h"
 #include "biem_error.h"
+#include "biem_operator_row_sums.h"
 #include <algorithm>
 #include <cmath>
 
@@ -36,9 +37,9 @@ CoupledSystem::CoupledSystem(MPI_Comm comm, const EwaldParameters &parameters, d
                              const SolverControl &control, const Scene &scene, Drive drive) :
     comm_(comm),
     scene_(scene), viscosity_(viscosity), layers_(scene.unknown_layers()),
-    has_double_(has_double(layers_)), has_mean_(drive == Drive::PressureDrop),
-    operator_(comm, parameters), field_operator_(comm, parameters), gmres_(comm, control),
-    walls_(drive)
+    has_double_(has_double(layers_)), has_contrast_(scene.has_contrast()),
+    has_mean_(drive == Drive::PressureDrop), operator_(comm, parameters),
+    field_operator_(comm, parameters), gmres_(comm, control), replicas_(comm), walls_(drive)
 {
   int rank;
   MPI_Comm_rank(comm, &rank);
@@ -71,7 +72,7 @@ void CoupledSystem::set_geometry(const Configuration &c, NodeExchange &exchange)
     modes_.set_geometry(surface_of_mode_, static_cast<int>(scene_.surfaces.size()), c.unwrapped,
                         surfaces_.areas(), surfaces_.volume_gradient(), surfaces_.elements(),
                         c.nodes.cols(), exchange);
-    set_row_sums(c, exchange);
+    set_row_sums(c);
   }
   if (is_new && scene_.has(SurfaceKind::Wall)) set_walls(c, exchange);
   version_ = c.version;
@@ -104,23 +105,34 @@ void CoupledSystem::set_topology(const Configuration &c, NodeExchange &exchange)
   exchange.sum(&n_others, 1);
   has_others_ = n_others > 0.0;
   surfaces_.set_topology(c, is_source, layers, is_target, exchange);
+  if (has_contrast_) {
+    std::vector<int> cell_of_node(c.n_owned, -1);
+    for (int i : unknown_nodes_)
+      if (surface(surface_of_unknown_[i]).kind == SurfaceKind::Cell)
+        cell_of_node[i] = surface_of_unknown_[i];
+    replicas_.set_nodes(cell_of_node, c.index_of_node);
+  }
   if (has_others_) field_surfaces_.set_topology(c, is_source, layers, is_other_, exchange);
 }
 
-// Of rigid particles the row sums are those of the shape; of deformable cells they change with it.
-void CoupledSystem::set_row_sums(const Configuration &c, NodeExchange &exchange)
+// Of rigid particles the row sums are those of the shape; of cells they change with the shape.
+void CoupledSystem::set_row_sums(const Configuration &c)
 {
-  const bool has_contrast =
-      std::any_of(scene_.surfaces.begin(), scene_.surfaces.end(),
-                  [](const Surface &s) { return s.kind == SurfaceKind::Cell && s.is_unknown(); });
   row_sums_.assign(c.n_owned, Mat3::Zero());
-  if (has_contrast) {
-    Eigen::VectorXd is_closed = Eigen::VectorXd::Zero(c.nodes.cols());
-    for (int i = 0; i < c.n_owned; i++)
-      if (const int s = surface_of_mode_[i]; s >= 0 && surface(s).kind == SurfaceKind::Cell)
-        is_closed[i] = 1.0;
-    exchange.forward(is_closed.data(), 1);
-    row_sums_ = operator_.compute_row_sums(is_closed, exchange);
+  if (has_contrast_) {
+    std::map<int, std::vector<int>> owned, targets;    // by surface: nodes, numbers within it
+    for (int i : unknown_nodes_) {
+      const int s = surface_of_unknown_[i];
+      if (surface(s).kind != SurfaceKind::Cell) continue;
+      owned[s].push_back(i);
+      targets[s].push_back(c.index_of_node[i]);
+    }
+    for (const auto &[s, nodes] : replicas_.gather(c.unwrapped)) {
+      const std::vector<Mat3> sums =
+          compute_free_row_sums(nodes, scene_.connectivities[surface(s).shape], targets[s]);
+      for (size_t k = 0; k < sums.size(); k++)
+        row_sums_[owned[s][k]] = sums[k];
+    }
   }
   for (int i = 0; i < c.n_owned; i++) {
     const int s = surface_of_mode_[i];

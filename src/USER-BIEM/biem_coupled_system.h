@@ -16,6 +16,7 @@
 #include "biem_solver_body.h"
 #include "biem_solver_gmres.h"
 #include "biem_surface_modes.h"
+#include "biem_surface_replicas.h"
 #include "biem_surface_subset.h"
 
 namespace biem {
@@ -50,7 +51,7 @@ class CoupledSystem {
  private:
   void set_topology(const Configuration &c, NodeExchange &exchange);
   void set_walls(const Configuration &c, NodeExchange &exchange);
-  void set_row_sums(const Configuration &c, NodeExchange &exchange);
+  void set_row_sums(const Configuration &c);
   // Densities of both layers from the unknowns, ghosts filled; for all nodes.
   void compute_densities(const Configuration &c, PointsView unknowns,
                          const std::vector<SurfaceMotion> &motions, NodeExchange &exchange);
@@ -75,7 +76,7 @@ class CoupledSystem {
   const Scene &scene_;
   double viscosity_;
   Layers layers_;
-  bool has_double_;
+  bool has_double_, has_contrast_;        // has cells with unknowns
   bool has_mean_, holds_mean_ = false;    // the mean velocity is an unknown; of this rank
   double volume_ = 1.0, mean_weight_ = 1.0;
   LayerOperator operator_, field_operator_;
@@ -89,6 +90,7 @@ class CoupledSystem {
   std::vector<char> is_other_;    // targets of the field operator
   bool has_others_ = false;       // on any rank
   Eigen::VectorXd weights_;       // sqrt(area) of the unknown nodes: norms are those of L2
+  SurfaceReplicas replicas_;      // of cells
   RowSums row_sums_;
   WallBlock walls_;
   std::vector<std::unique_ptr<BodyInverse>> body_inverses_;    // by shape

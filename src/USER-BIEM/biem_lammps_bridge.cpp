@@ -81,42 +81,6 @@ biem::Vec3 get_origin(LAMMPS *lmp)
   return Eigen::Map<const biem::Vec3>(lmp->domain->boxlo);
 }
 
-std::vector<double> to_state(const biem::EwaldParameters &p)
-{
-  return {static_cast<double>(p.method),
-          p.cutoff,
-          p.splitting,
-          p.band_limit,
-          p.oversampling,
-          static_cast<double>(p.order),
-          static_cast<double>(p.grid[0]),
-          static_cast<double>(p.grid[1]),
-          static_cast<double>(p.grid[2]),
-          p.tolerance,
-          p.expected_error,
-          static_cast<double>(p.modes[0]),
-          static_cast<double>(p.modes[1]),
-          static_cast<double>(p.modes[2])};
-}
-
-biem::EwaldParameters to_ewald_parameters(const double *state)
-{
-  biem::EwaldParameters p;
-  p.method = static_cast<biem::EwaldMethod>(static_cast<int>(state[0]));
-  p.cutoff = state[1];
-  p.splitting = state[2];
-  p.band_limit = state[3];
-  p.oversampling = state[4];
-  p.order = static_cast<int>(state[5]);
-  for (int a = 0; a < 3; a++)
-    p.grid[a] = static_cast<int>(state[6 + a]);
-  p.tolerance = state[9];
-  p.expected_error = state[10];
-  for (int a = 0; a < 3; a++)
-    p.modes[a] = static_cast<int>(state[11 + a]);
-  return p;
-}
-
 void LammpsConfiguration::refresh(NeighList *list)
 {
   version_++;

@@ -45,11 +45,6 @@ class LammpsExchange : public biem::NodeExchange, protected Pointers {
 biem::Mat3 get_cell(LAMMPS *lmp);
 biem::Vec3 get_origin(LAMMPS *lmp);
 
-// Ewald parameters as numbers for a restart file, and back.
-constexpr int kEwaldStateSize = 14;
-std::vector<double> to_state(const biem::EwaldParameters &parameters);
-biem::EwaldParameters to_ewald_parameters(const double *state);
-
 // Number of an atom within its rigid shape or within all walls; -1 for all others.
 using NodeIndex = std::function<int(tagint)>;
 

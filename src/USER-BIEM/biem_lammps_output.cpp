@@ -28,7 +28,7 @@ void FlowOutput::publish(const biem::Evaluation &e, LammpsSolver &solver, const 
   vector_[kFourierTime] = all.sum.fourier.total();
   vector_[kCoupledTime] = coupled.sum.search + coupled.sum.real_space + coupled.sum.ghosts +
                           coupled.near + coupled.sum.fourier.total();
-  vector_[kExpectedError] = solver.parameters().expected_error;
+  vector_[kExpectedError] = solver.expected_error();
   vector_[kIterations] = e.solver.iterations;
   vector_[kResidual] = e.solver.residual;
   double squared = 0.0;

@@ -42,21 +42,29 @@ std::string warn_of_error(const biem::EwaldParameters &p)
                      p.expected_error, p.tolerance);
 }
 
+std::string describe_sum(const std::string &of, const biem::EwaldParameters &p)
+{
+  std::string text =
+      fmt::format("  periodic sum of {} ({}): requested error {:.2g}, expected {:.2g}\n", of,
+                  biem::describe(p.method), p.tolerance, p.expected_error);
+  text += fmt::format("    cutoff {:.4g}, band limit {:.4g}, grid {} x {} x {}, window order {}\n",
+                      p.cutoff, p.band_limit, p.grid[0], p.grid[1], p.grid[2], p.order);
+  return text + warn_of_error(p);
+}
+
 }    // namespace
 
-std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldParameters &p,
-                           const double cutoffs[2])
+std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldParameters &forces,
+                           const biem::EwaldParameters *coupled, const double cutoffs[2])
 {
   std::string text =
       fmt::format("Fix biem: {} surfaces, {} nodes, {} triangles, {} points in the flow\n",
                   s.n_surfaces, s.n_nodes, s.n_triangles, lmp->atom->natoms - s.n_nodes);
   text += biem::describe_blocks(s.blocks);
   text += "  " + describe_units(lmp->update->unit_style) + "\n";
-  text += fmt::format("  periodic sum ({}): requested error {:.2g}, expected {:.2g}\n"
-                      "    cutoff {:.4g}, band limit {:.4g}, grid {} x {} x {}, window order {}\n",
-                      biem::describe(p.method), p.tolerance, p.expected_error, p.cutoff,
-                      p.band_limit, p.grid[0], p.grid[1], p.grid[2], p.order);
-  text += warn_of_error(p);
+  if (s.blocks.n_free + s.blocks.n_contrast > 0 || !coupled)
+    text += describe_sum("the membrane forces", forces);
+  if (coupled) text += describe_sum("the coupled system", *coupled);
   if (s.n_surfaces > 0) {
     const double nodes = static_cast<double>(s.n_nodes) / s.n_surfaces;
     text += fmt::format(

@@ -10,9 +10,11 @@ namespace LAMMPS_NS {
 
 class LAMMPS;
 
-// cutoffs: of the communication and of the near list, length.
+// coupled: null where there is no coupled system. cutoffs: of the communication and of the near
+// list, length.
 std::string describe_setup(LAMMPS *lmp, const MeshSurvey &survey,
-                           const biem::EwaldParameters &parameters, const double cutoffs[2]);
+                           const biem::EwaldParameters &forces,
+                           const biem::EwaldParameters *coupled, const double cutoffs[2]);
 
 }    // namespace LAMMPS_NS
 

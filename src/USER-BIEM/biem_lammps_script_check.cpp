@@ -11,6 +11,7 @@
 #include "pointers.h"
 #include "update.h"
 #include "utils.h"
+#include <algorithm>
 #include <cstring>
 #include <string>
 
@@ -39,6 +40,7 @@ class ScriptCheck : protected Pointers {
       error->all(FLERR,
                  "Fix biem: the system has bonds, which take pairs out of the neighbor list; "
                  "meshes need angles and dihedrals only");
+    check_angles();
     if (!neighbor->dist_check)
       error->all(FLERR,
                  "Fix biem: 'neigh_modify check yes' is required, so that neighbor lists are "
@@ -51,6 +53,25 @@ class ScriptCheck : protected Pointers {
       neighbor->every = 1;
       neighbor->delay = 0;
     }
+  }
+
+  // LAMMPS hands over the triangles (angles) only where it has an angle style for them.
+  void check_angles()
+  {
+    if (atom->nangles > 0 && !force->angle)
+      error->all(FLERR,
+                 "Fix biem: the triangles (angles) need an angle style: use angle_style biem/skalak "
+                 "for membranes, 'angle_style zero' where there are only rigid particles and "
+                 "walls, or 'angle_style hybrid biem/skalak zero' for both");
+    tagint off = MAXTAGINT, smallest;
+    for (int i = 0; i < atom->nlocal; i++)
+      for (int a = 0; a < atom->num_angle[i]; a++)
+        if (atom->angle_type[i][a] <= 0) off = std::min(off, atom->tag[i]);
+    MPI_Allreduce(&off, &smallest, 1, MPI_LMP_TAGINT, MPI_MIN, world);
+    if (smallest < MAXTAGINT)
+      error->all(FLERR, "Fix biem: a triangle (angle) of atom " + std::to_string(smallest) +
+                            " is turned off; remove the command that does this (delete_bonds, "
+                            "fix shake)");
   }
 
   void check_other_fixes()

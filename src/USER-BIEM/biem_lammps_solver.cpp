@@ -17,11 +17,8 @@ namespace {
 // Edges may grow to this multiple of the longest edge at the start of a run.
 constexpr double kEdgeGrowth = 1.6;
 
-// A parameter agrees with what the user fixed; 0 leaves it free.
-template <class T> bool is_as_given(T given, T value)
-{
-  return given == T() || given == value;
-}
+// A closed or periodic surface has two triangles for each node.
+constexpr double kSourcesPerNode = 3.0;
 
 }    // namespace
 
@@ -40,12 +37,14 @@ void LammpsSolver::prepare(const NodeGroups &groups, double max_tilt)
   choose_parameters(max_tilt);
   set_cutoffs();
   auto find_index = [this](tagint tag) {
-    const auto wall = wall_index_.find(tag);
-    return wall == wall_index_.end() ? particles.find_index(tag) : wall->second;
+    const auto found = node_index_.find(tag);
+    return found == node_index_.end() ? particles.find_index(tag) : found->second;
   };
   configuration_ = std::make_unique<LammpsConfiguration>(lmp, groups, find_index, list_cutoff_);
   const double cutoffs[2] = {comm->cutghostuser, list_cutoff_};
-  const std::string text = describe_setup(lmp, survey_, parameters_, cutoffs);
+  const std::string text =
+      describe_setup(lmp, survey_, force_parameters_.values(),
+                     has_unknowns_ ? &coupled_parameters_.values() : nullptr, cutoffs);
   if (comm->me == 0 && text != reported_) utils::logmesg(lmp, text);
   reported_ = text;
 }
@@ -85,92 +84,119 @@ void LammpsSolver::make_scene(const NodeGroups &groups)
   particles.prepare(groups, survey_);
   scene_ = biem::Scene();
   scene_.shapes = particles.shapes();
-  bool has_walls = false;
   for (int s = 0; s < survey_.n_molecules; s++) {
     biem::Surface surface;
     if (survey_.group[s] >= 0) {
       const SurfaceGroup &group = groups.surfaces[survey_.group[s]];
       surface = {group.kind, group.viscosity_ratio, particles.shape(s), group.velocity};
-      has_walls = has_walls || group.kind == biem::SurfaceKind::Wall;
     }
     scene_.surfaces.push_back(surface);
   }
-  wall_index_.clear();
-  if (!has_walls) return;
-  scene_.walls.cell = get_cell(lmp);
-  for (const auto &entry : gather_surfaces(lmp, groups, biem::SurfaceKind::Wall)) {
-    const GatheredSurface &wall = entry.second;
-    const auto first = static_cast<int>(scene_.walls.nodes.cols());
-    scene_.walls.nodes.conservativeResize(3, first + wall.positions.cols());
-    for (Eigen::Index i = 0; i < wall.positions.cols(); i++) {
-      biem::Vec3 x = wall.positions.col(i);
-      domain->remap(x.data());
-      scene_.walls.nodes.col(first + i) = x;
-      wall_index_[wall.tags[i]] = first + static_cast<int>(i);
-    }
-    for (const biem::Triangle &t : wall.triangles)
-      scene_.walls.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  node_index_.clear();
+  if (scene_.has_contrast()) add_connectivities();
+  if (scene_.has(biem::SurfaceKind::Wall)) add_walls();
+}
+
+// Cells with unknowns: numbers of their nodes, triangles; equal cells share the latter.
+void LammpsSolver::add_connectivities()
+{
+  auto &all = scene_.connectivities;
+  for (const auto &entry : gather_surfaces(lmp, groups_, biem::SurfaceKind::Cell)) {
+    biem::Surface &surface = scene_.surfaces[entry.first - 1];
+    if (!surface.is_unknown()) continue;
+    const GatheredSurface &cell = entry.second;
+    for (size_t i = 0; i < cell.tags.size(); i++)
+      node_index_[cell.tags[i]] = static_cast<int>(i);
+    const auto found = std::find(all.begin(), all.end(), cell.triangles);
+    surface.shape = static_cast<int>(found - all.begin());
+    if (found == all.end()) all.push_back(cell.triangles);
   }
 }
 
-// Parameters once chosen stay, also through a restart, unless the accuracy or the box changes.
+void LammpsSolver::add_walls()
+{
+  biem::WallMesh &walls = scene_.walls;
+  walls.cell = get_cell(lmp);
+  for (const auto &entry : gather_surfaces(lmp, groups_, biem::SurfaceKind::Wall)) {
+    const GatheredSurface &wall = entry.second;
+    const auto first = static_cast<int>(walls.nodes.cols());
+    walls.nodes.conservativeResize(3, first + wall.positions.cols());
+    for (Eigen::Index i = 0; i < wall.positions.cols(); i++) {
+      biem::Vec3 x = wall.positions.col(i);
+      domain->remap(x.data());
+      walls.nodes.col(first + i) = x;
+      node_index_[wall.tags[i]] = first + static_cast<int>(i);
+    }
+    for (const biem::Triangle &t : wall.triangles)
+      walls.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+}
+
 void LammpsSolver::choose_parameters(double max_tilt)
+{
+  const Eigen::Map<const biem::Points> points(atom->nlocal > 0 ? atom->x[0] : nullptr, 3,
+                                              atom->nlocal);
+  auto is_cell = [](const biem::Surface &s) {
+    return s.kind == biem::SurfaceKind::Cell;
+  };
+  auto is_unknown = [](const biem::Surface &s) {
+    return s.is_unknown();
+  };
+  const bool has_cells = scene_.has(biem::SurfaceKind::Cell);
+  has_unknowns_ = scene_.has_unknowns();
+  suspension_ = guarded(lmp, "Fix biem", [&] {
+    biem::EwaldScene scene = describe_points(max_tilt, has_cells ? is_cell : is_unknown);
+    scene.n_targets = static_cast<double>(atom->natoms);
+    force_parameters_.choose(scene, points);
+    biem::EwaldParameters coupled = force_parameters_.values();
+    if (has_unknowns_) {
+      scene = describe_points(max_tilt, is_unknown);
+      scene.layers = scene_.unknown_layers();
+      coupled_parameters_.choose(scene, points);
+      coupled = coupled_parameters_.values();
+    }
+    return std::make_unique<biem::Suspension>(
+        world, biem::SumParameters{force_parameters_.values(), coupled}, settings_.suspension,
+        scene_);
+  });
+}
+
+// What the choice of the parameters needs to know of some of the surfaces, as sources and targets.
+biem::EwaldScene LammpsSolver::describe_points(double max_tilt,
+                                               bool (*is_in)(const biem::Surface &)) const
 {
   biem::EwaldScene scene;
   scene.cell = get_cell(lmp);
   scene.max_tilt = max_tilt;
-  scene.n_sources = static_cast<double>(survey_.n_nodes + survey_.n_triangles);
-  scene.n_targets = static_cast<double>(atom->natoms);
-  scene.tolerance = settings_.accuracy;
-  scene.method = settings_.ewald;
-  scene.cutoff = settings_.cutoff;
-  scene.splitting = settings_.splitting;
-  scene.order = settings_.order;
-  scene.grid = settings_.grid;
-  if (scene_.has_unknowns() && biem::has_double(scene_.unknown_layers()))
-    scene.layers = biem::Layers::Both;
-  if (survey_.n_surfaces > 0) {
-    double volume = 0.0;
-    for (double v : survey_.volumes)
-      volume += v / survey_.n_surfaces;
-    scene.body_sources = scene.n_sources / survey_.n_surfaces;
-    scene.body_radius = std::cbrt(3.0 * volume / (4.0 * M_PI));
+  double n_bodies = 0.0, radius = 0.0;
+  for (size_t s = 0; s < scene_.surfaces.size(); s++) {
+    if (!is_in(scene_.surfaces[s])) continue;
+    n_bodies += 1.0;
+    radius += survey_.volumes[s] > 0.0 ? std::cbrt(survey_.volumes[s] / (4.0 * M_PI / 3.0))
+                                       : std::sqrt(survey_.areas[s] / (4.0 * M_PI));
+    scene.n_targets += static_cast<double>(survey_.nodes[s]);
   }
-  const bool is_chosen =
-      parameters_.order > 0 && parameters_.method == scene.method &&
-      parameters_.tolerance == scene.tolerance && parameter_lengths_ == scene.cell.diagonal() &&
-      parameter_layers_ == scene.layers && is_as_given(settings_.cutoff, parameters_.cutoff) &&
-      is_as_given(settings_.splitting, parameters_.splitting) &&
-      is_as_given(settings_.order, parameters_.order) &&
-      (settings_.grid[0] == 0 || parameters_.grid == settings_.grid);
-  suspension_ = guarded(lmp, "Fix biem", [&] {
-    if (!is_chosen) parameters_ = choose(scene);
-    return std::make_unique<biem::Suspension>(world, parameters_, settings_.suspension, scene_);
-  });
-  parameter_lengths_ = scene.cell.diagonal();
-  parameter_layers_ = scene.layers;
+  scene.n_sources = kSourcesPerNode * scene.n_targets;
+  if (n_bodies > 0.0) {
+    scene.body_sources = scene.n_sources / n_bodies;
+    scene.body_radius = radius / n_bodies;
+  }
+  return scene;
 }
 
-biem::EwaldParameters LammpsSolver::choose(const biem::EwaldScene &scene)
+double LammpsSolver::expected_error() const
 {
-  if (settings_.tuning == biem::EwaldTuning::Model) return biem::choose_ewald_parameters(scene);
-  const Eigen::Map<const biem::Points> points(atom->nlocal > 0 ? atom->x[0] : nullptr, 3,
-                                              atom->nlocal);
-  const biem::EwaldTimings t = biem::search_ewald_parameters(world, scene, points);
-  if (comm->me == 0)
-    utils::logmesg(lmp,
-                   fmt::format("Fix biem: tuned on this machine: {} choices timed, {:.3g} ms "
-                               "per periodic sum, {:.3g} ms with the cost model's choice; "
-                               "error of these points {:.2g} times the predicted one\n",
-                               t.n_tried, 1e3 * t.seconds, 1e3 * t.model_seconds, t.error_factor));
-  return t.fastest;
+  const double forces = force_parameters_.values().expected_error;
+  return has_unknowns_ ? std::max(forces, coupled_parameters_.values().expected_error) : forces;
 }
 
 void LammpsSolver::set_cutoffs()
 {
   const double edge = kEdgeGrowth * survey_.longest_edge;
   list_cutoff_ = edge + kEdgeGrowth * biem::kNearFactor * survey_.longest_mean_edge;
-  const double needed = std::max(list_cutoff_, parameters_.cutoff + edge) + neighbor->skin;
+  double cutoff = force_parameters_.values().cutoff;
+  if (has_unknowns_) cutoff = std::max(cutoff, coupled_parameters_.values().cutoff);
+  const double needed = std::max(list_cutoff_, cutoff + edge) + neighbor->skin;
   const bool is_own = comm->cutghostuser == own_comm_cutoff_;
   if (comm->cutghostuser > 0.0 && !is_own && comm->cutghostuser < needed)
     error->all(FLERR, fmt::format("Fix biem: communication cutoff {:.8g} is too small, {:.8g} is "
@@ -217,27 +243,24 @@ double LammpsSolver::volume_error() const
 
 std::vector<double> LammpsSolver::get_state() const
 {
-  std::vector<double> state = to_state(parameters_);
-  state.insert(state.end(), {own_comm_cutoff_, parameter_lengths_[0], parameter_lengths_[1],
-                             parameter_lengths_[2], static_cast<double>(parameter_layers_),
-                             static_cast<double>(volumes_.reference.size())});
-  state.insert(state.end(), volumes_.reference.begin(), volumes_.reference.end());
-  const std::vector<double> bodies = particles.get_state();
-  state.insert(state.end(), bodies.begin(), bodies.end());
+  std::vector<double> state = {own_comm_cutoff_, static_cast<double>(volumes_.reference.size())};
+  for (const std::vector<double> &part : {volumes_.reference, force_parameters_.get_state(),
+                                          coupled_parameters_.get_state(), particles.get_state()})
+    state.insert(state.end(), part.begin(), part.end());
   return state;
 }
 
 const double *LammpsSolver::set_state(const double *state)
 {
-  parameters_ = to_ewald_parameters(state);
-  state += kEwaldStateSize;
   own_comm_cutoff_ = *state++;
-  for (int a = 0; a < 3; a++)
-    parameter_lengths_[a] = *state++;
-  parameter_layers_ = static_cast<biem::Layers>(static_cast<int>(*state++));
   const int n_cells = static_cast<int>(*state++);
   volumes_.reference.assign(state, state + n_cells);
-  return particles.set_state(state + n_cells);
+  state += n_cells;
+  for (LammpsParameters *parameters : {&force_parameters_, &coupled_parameters_}) {
+    parameters->set_state(state);
+    state += LammpsParameters::kStateSize;
+  }
+  return particles.set_state(state);
 }
 
 }    // namespace LAMMPS_NS

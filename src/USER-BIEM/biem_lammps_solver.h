@@ -4,8 +4,8 @@
 #define BIEM_LAMMPS_SOLVER_H
 
 #include "biem_lammps_bridge.h"
+#include "biem_lammps_parameters.h"
 #include "biem_lammps_particles.h"
-#include "biem_lammps_settings.h"
 #include <memory>
 
 namespace LAMMPS_NS {
@@ -13,7 +13,8 @@ namespace LAMMPS_NS {
 class LammpsSolver : protected Pointers {
  public:
   LammpsSolver(LAMMPS *lmp, Fix *fix, const FixBiemSettings &settings) :
-      Pointers(lmp), exchange(lmp, fix), particles(lmp), settings_(settings)
+      Pointers(lmp), exchange(lmp, fix), particles(lmp), settings_(settings),
+      force_parameters_(lmp, settings), coupled_parameters_(lmp, settings)
   {
   }
   ~LammpsSolver() override;
@@ -31,7 +32,7 @@ class LammpsSolver : protected Pointers {
 
   double longest_edge() const { return survey_.longest_edge; }    // at the start of the run
   double volume_error() const;    // largest relative error over the cells
-  bool has_unknowns() const { return scene_.has_unknowns(); }
+  bool has_unknowns() const { return has_unknowns_; }
   const biem::Scene &scene() const { return scene_; }
   // Number of the surface of an owned atom, or -1; what its group has in common, or null.
   int find_surface(int node) const { return configuration_->find_surface(node); }
@@ -42,7 +43,7 @@ class LammpsSolver : protected Pointers {
   }
   biem::OperatorProfile force_profile() const { return suspension_->force_profile(); }
   biem::OperatorProfile coupled_profile() const { return suspension_->coupled_profile(); }
-  const biem::EwaldParameters &parameters() const { return parameters_; }
+  double expected_error() const;    // of the periodic sums in use, the largest
 
   std::vector<double> get_state() const;
   const double *set_state(const double *state);    // returns what follows
@@ -55,21 +56,23 @@ class LammpsSolver : protected Pointers {
   void check_lengths() const;
   void keep_volumes();
   void make_scene(const NodeGroups &groups);
+  void add_connectivities();
+  void add_walls();
   void choose_parameters(double max_tilt);
-  biem::EwaldParameters choose(const biem::EwaldScene &scene);
+  biem::EwaldScene describe_points(double max_tilt, bool (*is_in)(const biem::Surface &)) const;
   void set_cutoffs();
 
   FixBiemSettings settings_;
   MeshSurvey survey_;
   NodeGroups groups_;
   biem::Scene scene_;
-  std::unordered_map<tagint, int> wall_index_;    // within all walls, by tag
+  bool has_unknowns_ = false;
+  // By tag: number within all walls, or within a cell that has unknowns.
+  std::unordered_map<tagint, int> node_index_;
   std::unique_ptr<LammpsConfiguration> configuration_;
   std::unique_ptr<biem::Suspension> suspension_;
-  biem::EwaldParameters parameters_;
-  // Box lengths and layers that they were chosen for.
-  biem::Vec3 parameter_lengths_ = biem::Vec3::Zero();
-  biem::Layers parameter_layers_ = biem::Layers::Single;
+  // Of the sum over membrane forces, and of those of the coupled system: fewer points.
+  LammpsParameters force_parameters_, coupled_parameters_;
   biem::CellVolumes volumes_;
   double list_cutoff_ = 0.0;
   double own_comm_cutoff_ = -1.0;    // what prepare() has set itself

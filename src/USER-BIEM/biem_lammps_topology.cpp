@@ -1,6 +1,7 @@
 // Distributed survey of the meshes: see the header.
 #include "biem_lammps_topology.h"
 #include "atom.h"
+#include "biem_lammps_atom_directory.h"
 #include "biem_lammps_compat.h"
 #include "biem_types.h"
 #include "comm.h"
@@ -13,8 +14,8 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
-#include <unordered_map>
 
 namespace LAMMPS_NS {
 
@@ -47,59 +48,14 @@ biem::SurfaceKind NodeGroups::kind(int mask) const
 
 namespace {
 
-// What the home rank of an atom knows.
-struct AtomRecord {
-  int64_t tag, molecule;
-  int mask, is_vertex;
-  double x[3];    // unwrapped
-};
-
 struct DirectedEdge {
   int64_t low, high, molecule;
   int direction;    // +1: low -> high in a triangle's order, -1: high -> low
 };
 
-constexpr int64_t kNone = INT64_MAX;
-
-// outgoing[rank] -> what the other ranks sent here, grouped by sender; counts per sender.
-template <class T>
-std::vector<T> exchange(MPI_Comm world, const std::vector<std::vector<T>> &outgoing,
-                        std::vector<int> &counts)
-{
-  const int n_ranks = static_cast<int>(outgoing.size());
-  std::vector<int> send_bytes(n_ranks), send_offset(n_ranks, 0), bytes(n_ranks), offset(n_ranks, 0);
-  std::vector<T> sent;
-  for (int r = 0; r < n_ranks; r++) {
-    send_bytes[r] = static_cast<int>(outgoing[r].size() * sizeof(T));
-    sent.insert(sent.end(), outgoing[r].begin(), outgoing[r].end());
-  }
-  MPI_Alltoall(send_bytes.data(), 1, MPI_INT, bytes.data(), 1, MPI_INT, world);
-  for (int r = 1; r < n_ranks; r++) {
-    send_offset[r] = send_offset[r - 1] + send_bytes[r - 1];
-    offset[r] = offset[r - 1] + bytes[r - 1];
-  }
-  std::vector<T> received((offset.back() + bytes.back()) / sizeof(T));
-  MPI_Alltoallv(sent.data(), send_bytes.data(), send_offset.data(), MPI_BYTE, received.data(),
-                bytes.data(), offset.data(), MPI_BYTE, world);
-  counts.resize(n_ranks);
-  for (int r = 0; r < n_ranks; r++)
-    counts[r] = bytes[r] / static_cast<int>(sizeof(T));
-  return received;
-}
-
-// Kinds of surfaces in messages.
-std::string name_of(biem::SurfaceKind kind)
-{
-  if (kind == biem::SurfaceKind::Rigid) return "rigid particle";
-  return kind == biem::SurfaceKind::Wall ? "wall" : "cell";
-}
-
 class Surveyor : protected Pointers {
  public:
-  Surveyor(LAMMPS *lmp, const NodeGroups &groups) :
-      Pointers(lmp), groups_(groups), n_ranks_(comm->nprocs)
-  {
-  }
+  Surveyor(LAMMPS *lmp, const NodeGroups &groups) : Pointers(lmp), groups_(groups) {}
 
   MeshSurvey run()
   {
@@ -114,9 +70,7 @@ class Surveyor : protected Pointers {
   }
 
  private:
-  int home(int64_t tag) const { return static_cast<int>(tag % n_ranks_); }
-
-  // The smallest value over all ranks; kNone where no rank has one.
+  // The smallest value over all ranks; kNoTag where no rank has one.
   int64_t smallest(int64_t value) const
   {
     int64_t result;
@@ -126,28 +80,20 @@ class Surveyor : protected Pointers {
 
   void register_atoms()
   {
-    int64_t lost = kNone;
+    int64_t lost = kNoTag;
     for (int i = 0; i < atom->nlocal; i++)
       if (!std::isfinite(atom->x[i][0] + atom->x[i][1] + atom->x[i][2]))
         lost = std::min(lost, static_cast<int64_t>(atom->tag[i]));
     fail_if(smallest(lost), "atom",
             "has a position that is not a number at step " + std::to_string(update->ntimestep) +
                 ": check the data file and the commands that move atoms");
-    std::vector<std::vector<AtomRecord>> outgoing(n_ranks_);
-    for (int i = 0; i < atom->nlocal; i++) {
-      AtomRecord record{atom->tag[i], atom->molecule[i], atom->mask[i], 0, {0.0, 0.0, 0.0}};
-      domain->unmap(atom->x[i], atom->image[i], record.x);
-      outgoing[home(record.tag)].push_back(record);
-    }
-    std::vector<int> counts;
-    for (const AtomRecord &record : exchange(world, outgoing, counts))
-      records_[record.tag] = record;
+    directory_ = std::make_unique<AtomDirectory>(lmp);
   }
 
   void check_groups()
   {
-    int64_t none = kNone, both = kNone, molecule = kNone;
-    for (const auto &entry : records_) {
+    int64_t none = kNoTag, both = kNoTag, molecule = kNoTag;
+    for (const auto &entry : directory_->records()) {
       const AtomRecord &r = entry.second;
       const bool is_node = groups_.find_surface(r.mask) >= 0;
       const bool is_point = groups_.is_tracer(r.mask) || groups_.is_probe(r.mask);
@@ -180,7 +126,7 @@ class Surveyor : protected Pointers {
     std::vector<int> range(2 * n, -1), all(2 * n);    // largest group, largest -group, by molecule
     for (size_t m = 0; m < n; m++)
       range[2 * m + 1] = INT_MIN;
-    for (const auto &entry : records_) {
+    for (const auto &entry : directory_->records()) {
       const int g = groups_.find_surface(entry.second.mask);
       if (g < 0) continue;
       int *r = &range[2 * (entry.second.molecule - 1)];
@@ -207,55 +153,24 @@ class Surveyor : protected Pointers {
 
   void fail_if(int64_t who, const std::string &kind, const std::string &what)
   {
-    if (who != kNone)
+    if (who != kNoTag)
       error->all(FLERR, "Fix biem: " + kind + " " + std::to_string(who) + " " + what);
   }
 
-  // Three records for each angle stored on this rank, in the angle's order.
   std::vector<AtomRecord> look_up_corners()
   {
-    std::vector<std::vector<int64_t>> queries(n_ranks_);
-    std::vector<int64_t> tags;
-    for (int i = 0; i < atom->nlocal; i++)
-      for (int a = 0; a < atom->num_angle[i]; a++)
-        for (int64_t tag : {static_cast<int64_t>(atom->angle_atom1[i][a]),
-                            static_cast<int64_t>(atom->angle_atom2[i][a]),
-                            static_cast<int64_t>(atom->angle_atom3[i][a])}) {
-          tags.push_back(tag);
-          queries[home(tag)].push_back(tag);
-        }
-    std::vector<int> counts;
-    const std::vector<int64_t> asked = exchange(world, queries, counts);
-    std::vector<std::vector<AtomRecord>> answers(n_ranks_);
-    int64_t missing = kNone;
-    size_t next = 0;
-    for (int r = 0; r < n_ranks_; r++)
-      for (int k = 0; k < counts[r]; k++, next++) {
-        auto found = records_.find(asked[next]);
-        if (found == records_.end()) {
-          missing = std::min(missing, asked[next]);
-          answers[r].push_back(AtomRecord{asked[next], 0, 0, 0, {0.0, 0.0, 0.0}});
-        } else {
-          found->second.is_vertex = 1;
-          answers[r].push_back(found->second);
-        }
-      }
+    int64_t missing;
+    const std::vector<AtomRecord> corners = directory_->look_up_corners(missing);
     fail_if(smallest(missing), "atom", "is named by an angle but does not exist: was it deleted?");
-    const std::vector<AtomRecord> answered = exchange(world, answers, counts);
-    std::vector<size_t> position(n_ranks_, 0);
-    for (int r = 1; r < n_ranks_; r++)
-      position[r] = position[r - 1] + counts[r - 1];
-    std::vector<AtomRecord> corners;
-    for (int64_t tag : tags)
-      corners.push_back(answered[position[home(tag)]++]);
     return corners;
   }
 
   void measure(const std::vector<AtomRecord> &corners)
   {
-    int64_t mixed = kNone, tracer = kNone;
+    int64_t mixed = kNoTag, tracer = kNoTag;
     double longest[2] = {0.0, 0.0};
-    std::vector<double> volumes(survey_.n_molecules, 0.0);
+    const size_t n_molecules = survey_.n_molecules;
+    std::vector<double> volumes(2 * n_molecules, 0.0);    // volumes, then areas
     for (size_t t = 0; t < corners.size(); t += 3) {
       biem::Vec3 x[3];
       for (int v = 0; v < 3; v++) {
@@ -278,6 +193,8 @@ class Surveyor : protected Pointers {
         sum += edge;
       }
       longest[1] = std::max(longest[1], sum / 3.0);
+      if (molecule >= 1 && molecule <= survey_.n_molecules)
+        volumes[n_molecules + molecule - 1] += 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm();
       if (molecule >= 1 && molecule <= survey_.n_molecules && !is_wall)
         volumes[molecule - 1] += x[0].dot(x[1].cross(x[2])) / 6.0;
     }
@@ -291,8 +208,11 @@ class Surveyor : protected Pointers {
     MPI_Allreduce(longest, all, 2, MPI_DOUBLE, MPI_MAX, world);
     survey_.longest_edge = all[0];
     survey_.longest_mean_edge = all[1];
-    MPI_Allreduce(volumes.data(), survey_.volumes.data(), survey_.n_molecules, MPI_DOUBLE, MPI_SUM,
-                  world);
+    std::vector<double> sums(2 * n_molecules);
+    MPI_Allreduce(volumes.data(), sums.data(), static_cast<int>(2 * n_molecules), MPI_DOUBLE,
+                  MPI_SUM, world);
+    survey_.volumes.assign(sums.begin(), sums.begin() + n_molecules);
+    survey_.areas.assign(sums.begin() + n_molecules, sums.end());
     bigint n = static_cast<bigint>(corners.size() / 3);
     MPI_Allreduce(&n, &survey_.n_triangles, 1, MPI_LMP_BIGINT, MPI_SUM, world);
   }
@@ -300,19 +220,19 @@ class Surveyor : protected Pointers {
   // Closed and oriented: every edge once in each direction.
   void check_closed(const std::vector<AtomRecord> &corners)
   {
-    std::vector<std::vector<DirectedEdge>> outgoing(n_ranks_);
+    std::vector<std::vector<DirectedEdge>> outgoing(comm->nprocs);
     for (size_t t = 0; t < corners.size(); t += 3)
       for (int v = 0; v < 3; v++) {
         const int64_t a = corners[t + v].tag, b = corners[t + (v + 1) % 3].tag;
         const DirectedEdge edge{std::min(a, b), std::max(a, b), corners[t].molecule,
                                 a < b ? 1 : -1};
-        outgoing[home(edge.low)].push_back(edge);
+        outgoing[directory_->home(edge.low)].push_back(edge);
       }
     std::vector<int> counts;
     std::map<std::pair<int64_t, int64_t>, std::vector<DirectedEdge>> edges;
-    for (const DirectedEdge &edge : exchange(world, outgoing, counts))
+    for (const DirectedEdge &edge : exchange_records(world, outgoing, counts))
       edges[{edge.low, edge.high}].push_back(edge);
-    int64_t open = kNone, crowded = kNone, turned = kNone;
+    int64_t open = kNoTag, crowded = kNoTag, turned = kNoTag;
     for (const auto &entry : edges) {
       const std::vector<DirectedEdge> &e = entry.second;
       if (kind_of(e[0].molecule) == biem::SurfaceKind::Wall) continue;    // may be open, or cross
@@ -324,7 +244,7 @@ class Surveyor : protected Pointers {
     const int64_t hole = smallest(open);
     fail_if(hole, "the surface of molecule",
             "is open: one of its edges belongs to a single triangle, but a " +
-                name_of(kind_of(hole)) + " must be closed; check the angles of the data file");
+                describe(kind_of(hole)) + " must be closed; check the angles of the data file");
     fail_if(smallest(crowded), "the surface of molecule",
             "has an edge with more than two triangles: check the angles of the data file, and that "
             "no triangle is listed twice");
@@ -335,14 +255,16 @@ class Surveyor : protected Pointers {
 
   void check_vertices()
   {
-    int64_t loose = kNone, point = kNone;
+    int64_t loose = kNoTag, point = kNoTag;
     long counts[4] = {}, all[4];
-    for (const auto &entry : records_) {
+    std::vector<int> nodes(survey_.n_molecules, 0);
+    for (const auto &entry : directory_->records()) {
       const AtomRecord &r = entry.second;
       const int g = groups_.find_surface(r.mask);
       if (g >= 0 && !r.is_vertex) loose = std::min(loose, r.tag);
       if (g < 0 && r.is_vertex) point = std::min(point, r.tag);
       if (g < 0) continue;
+      nodes[r.molecule - 1]++;
       const SurfaceGroup &group = groups_.surfaces[g];
       counts[group.kind == biem::SurfaceKind::Rigid  ? 2
              : group.kind == biem::SurfaceKind::Wall ? 3
@@ -354,6 +276,8 @@ class Surveyor : protected Pointers {
             "that group with the keyword 'tracers' or 'probes', or delete it");
     fail_if(smallest(point), "atom", "is a tracer or probe of fix biem but a vertex of a triangle");
     MPI_Allreduce(counts, all, 4, MPI_LONG, MPI_SUM, world);
+    survey_.nodes.resize(nodes.size());
+    MPI_Allreduce(nodes.data(), survey_.nodes.data(), survey_.n_molecules, MPI_INT, MPI_SUM, world);
     survey_.blocks = {all[0], all[1], all[2], all[3]};
     survey_.n_nodes = all[0] + all[1] + all[2] + all[3];
   }
@@ -371,12 +295,17 @@ class Surveyor : protected Pointers {
   }
 
   NodeGroups groups_;
-  int n_ranks_;
-  std::unordered_map<int64_t, AtomRecord> records_;
+  std::unique_ptr<AtomDirectory> directory_;
   MeshSurvey survey_;
 };
 
 }    // namespace
+
+std::string describe(biem::SurfaceKind kind)
+{
+  if (kind == biem::SurfaceKind::Rigid) return "rigid particle";
+  return kind == biem::SurfaceKind::Wall ? "wall" : "cell";
+}
 
 MeshSurvey survey_meshes(LAMMPS *lmp, const NodeGroups &groups)
 {

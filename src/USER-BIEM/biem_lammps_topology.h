@@ -1,6 +1,6 @@
 // Survey of the meshes before a run, on atoms as LAMMPS distributes them: is every surface closed
 // and oriented, how long are its edges, what is its volume. Works without ghost atoms and without
-// gathering: each atom has a home rank (tag modulo ranks) where its record can be looked up.
+// gathering. Does not know whether surfaces overlap.
 #ifndef BIEM_LAMMPS_TOPOLOGY_H
 #define BIEM_LAMMPS_TOPOLOGY_H
 
@@ -46,9 +46,14 @@ struct MeshSurvey {
   double longest_edge = 0.0;
   double longest_mean_edge = 0.0;    // largest mean edge of one triangle
   std::vector<double> volumes;       // by molecule id - 1; positive, 0 for walls
+  std::vector<double> areas;         // by molecule id - 1
+  std::vector<int> nodes;            // by molecule id - 1
   std::vector<int> group;            // index into NodeGroups::surfaces, by molecule id - 1; or -1
   biem::BlockSizes blocks;
 };
+
+// Kinds of surfaces in messages.
+std::string describe(biem::SurfaceKind kind);
 
 // All nodes must be vertices of triangles (angles), tracers and probes of none; cells and rigid
 // particles must be closed.

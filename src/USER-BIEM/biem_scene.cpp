@@ -16,6 +16,13 @@ bool Scene::has_unknowns() const
                      [](const Surface &s) { return s.is_unknown(); });
 }
 
+bool Scene::has_contrast() const
+{
+  return std::any_of(surfaces.begin(), surfaces.end(), [](const Surface &s) {
+    return s.kind == SurfaceKind::Cell && s.is_unknown();
+  });
+}
+
 Layers Scene::unknown_layers() const
 {
   const bool has_double = std::any_of(surfaces.begin(), surfaces.end(), [](const Surface &s) {

@@ -15,8 +15,9 @@ enum class SurfaceKind { None, Cell, Rigid, Wall };
 struct Surface {
   SurfaceKind kind = SurfaceKind::None;    // None: no surface has this number
   double viscosity_ratio = 1.0;            // Cell: inside over outside
-  int shape = -1;                          // Rigid: index into Scene::shapes
-  Vec3 velocity = Vec3::Zero();            // Wall: of the wall itself [length/time]
+  // Rigid: index into Scene::shapes. Cell with unknowns: index into Scene::connectivities.
+  int shape = -1;
+  Vec3 velocity = Vec3::Zero();    // Wall: of the wall itself [length/time]
 
   bool is_closed() const { return kind == SurfaceKind::Cell || kind == SurfaceKind::Rigid; }
   // Whether it has unknowns: a cell of the fluid's own viscosity only follows the flow.
@@ -36,10 +37,13 @@ struct Surface {
 struct Scene {
   std::vector<Surface> surfaces;      // by the number of the surface
   std::vector<SurfaceMesh> shapes;    // of rigid particles, in their body frames
-  WallMesh walls;                     // all walls together
+  // Triangles of cells with unknowns, by the numbers of the nodes within their cell.
+  std::vector<std::vector<Triangle>> connectivities;
+  WallMesh walls;    // all walls together
 
   bool has(SurfaceKind kind) const;
   bool has_unknowns() const;
+  bool has_contrast() const;    // cells with unknowns
   // Layers that the unknowns carry; only where there are some.
   Layers unknown_layers() const;
 };

@@ -16,16 +16,22 @@ namespace biem {
 // out = map(in), this rank's shares, of equal length; called on all ranks together.
 using LinearMap = std::function<void(const Eigen::VectorXd &in, Eigen::VectorXd &out)>;
 
+// The residual that ends the iteration: one more application of the operator to the solution, or
+// the estimate from the iteration itself, which differs from it by rounding only as long as the
+// operator is the same linear map in all applications.
+enum class FinalResidual { Computed, Estimated };
+
 struct SolverControl {
   double tolerance = 1e-4;     // of the residual's norm, relative to the right-hand side's
   int max_iterations = 100;    // over all cycles
   int restart = 50;            // iterations of a cycle; each keeps two vectors
+  FinalResidual final_residual = FinalResidual::Computed;
 };
 
 // Norms are relative to that of the right-hand side, without its part along the null vectors.
 struct SolverReport {
   int iterations = 0;
-  double residual = 0.0;    // true: from the operator applied to the returned solution
+  double residual = 0.0;    // of the returned solution; see FinalResidual
   // Before the first and after each iteration: estimates, the true residual where a cycle ends.
   std::vector<double> history;
 };
@@ -59,7 +65,8 @@ class Gmres {
   SolverReport solve(const LinearMap &apply_operator, const LinearMap &apply_preconditioner,
                      const Eigen::VectorXd &right_hand_side, Eigen::VectorXd &solution);
 
-  // P (right_hand_side - A solution) of the last solve, this rank's share.
+  // P (right_hand_side - A solution) of the last solve, this rank's share; after a solve that ended
+  // with an estimate, that of the last one that was computed.
   const Eigen::VectorXd &residual() const { return residual_; }
 
  private:

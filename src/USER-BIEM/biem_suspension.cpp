@@ -12,16 +12,16 @@ Traction parse_traction(const std::string &name)
   throw Error("unknown traction '" + name + "': choose lumped or consistent");
 }
 
-Suspension::Suspension(MPI_Comm comm, const EwaldParameters &parameters,
+Suspension::Suspension(MPI_Comm comm, const SumParameters &parameters,
                        const SuspensionSettings &settings, const Scene &scene) :
     settings_(settings),
-    scene_(scene), has_unknowns_(scene.has_unknowns()), force_operator_(comm, parameters)
+    scene_(scene), has_unknowns_(scene.has_unknowns()), force_operator_(comm, parameters.forces)
 {
   if (settings.drive == Drive::PressureDrop && !scene.has(SurfaceKind::Wall))
     throw Error("a pressure drop drives a flow only against walls, and this scene has none; give a "
                 "mean velocity instead");
   if (has_unknowns_)
-    coupled_ = std::make_unique<CoupledSystem>(comm, parameters, settings.viscosity,
+    coupled_ = std::make_unique<CoupledSystem>(comm, parameters.coupled, settings.viscosity,
                                                settings.control, scene, settings.drive);
 }
 

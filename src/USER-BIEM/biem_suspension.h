@@ -20,7 +20,13 @@ struct SuspensionSettings {
   double viscosity = 1.0;    // outside the cells [force * time / length^2]
   Traction traction = Traction::Lumped;
   Drive drive = Drive::MeanVelocity;
-  SolverControl control;
+  SolverControl control{1e-4, 100, 50, FinalResidual::Estimated};
+};
+
+// Of the periodic sums over the membrane forces, and of those of the coupled system, which have
+// other points and layers.
+struct SumParameters {
+  EwaldParameters forces, coupled;
 };
 
 // Volumes of the cells and how they are held, by surface.
@@ -58,7 +64,7 @@ struct Evaluation {
 class Suspension {
  public:
   // scene must outlive the suspension.
-  Suspension(MPI_Comm comm, const EwaldParameters &parameters, const SuspensionSettings &settings,
+  Suspension(MPI_Comm comm, const SumParameters &parameters, const SuspensionSettings &settings,
              const Scene &scene);
 
   void set_cell(const Mat3 &cell, const Vec3 &origin);
@@ -71,7 +77,6 @@ class Suspension {
 
   OperatorProfile force_profile() const { return force_operator_.profile(); }
   OperatorProfile coupled_profile() const;
-  const EwaldParameters &parameters() const { return force_operator_.parameters(); }
 
  private:
   void set_force_geometry(const Configuration &c, PointsView forces, NodeExchange &exchange);

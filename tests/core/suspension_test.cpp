@@ -93,7 +93,7 @@ Evaluation evaluate(const RedCells &s, double tolerance, double cutoff = 0.0,
                                     0};
   Scene cells;
   cells.surfaces.assign(4, Surface{SurfaceKind::Cell});
-  Suspension suspension(MPI_COMM_SELF, p, SuspensionSettings{}, cells);
+  Suspension suspension(MPI_COMM_SELF, {p, p}, SuspensionSettings{}, cells);
   suspension.set_cell(s.cell, Vec3::Zero());
   CellVolumes volumes;
   volumes.current.resize(4);
