@@ -64,6 +64,7 @@ set(BIEM_BRIDGE_SOURCES
   biem_lammps_cell_settings.cpp
   biem_lammps_command_arguments.cpp
   biem_lammps_gather.cpp
+  biem_lammps_history.cpp
   biem_lammps_output.cpp
   biem_lammps_overlap_check.cpp
   biem_lammps_parameters.cpp

@@ -14,8 +14,8 @@ struct Configuration {
   const std::vector<Triangle> &triangles;
   const std::vector<int> &surface_of_triangle;
   const std::vector<int> &surface_of_node;    // owned nodes; -1: on no surface
-  // Owned nodes: number within its shape (rigid), within its cell (cell with unknowns) or within all
-  // walls (wall); not read elsewhere.
+  // Owned nodes: number within its shape (rigid), within its cell (cell with unknowns) or within
+  // all walls (wall); not read elsewhere.
   const std::vector<int> &index_of_node;
   PointsView triangle_shift;    // 3 x n: from the triangle's image to its surface's
   PointsView unwrapped;         // 3 x n_owned, every closed surface in one piece

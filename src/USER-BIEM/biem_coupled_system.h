@@ -1,11 +1,14 @@
 // The unknowns of Eq. 5 of Zhao et al. 2012 in one configuration, [u of cells with another
-// viscosity inside, psi of rigid particles, f of walls]: operator, preconditioner, solution. Only the
-// blocks that the scene has. Knows no membrane forces and no time. doc/theory, label coupled-system.
+// viscosity inside, psi of rigid particles, f of walls]: operator, preconditioner, solution.
+// Only the blocks that the scene has. Knows no membrane forces and no time.
+// doc/theory, label coupled-system.
 //
 // With phi = (lambda - 1) u on cells, psi on particles, without rigid motions and net flux (~), and
 //   v(x) = 1/(8 pi mu) int G f dA + 1/(8 pi) D0[phi~](x)
 // the equations are, for the right-hand side w(x) that everything else causes,
-//   cells: u + (lambda - 1) u_flux - v = w,  particles: psi_rigid + psi_flux - v = w,  walls: -v = w.
+//   cells:     u + (lambda - 1) u_flux - v = w
+//   particles: psi_rigid + psi_flux - v = w
+//   walls:     -v = w
 // With a prescribed pressure drop the mean velocity U joins the unknowns: v contains U, and
 //   -1/V int f dA = what the drop asks of the walls.
 #ifndef BIEM_COUPLED_SYSTEM_H

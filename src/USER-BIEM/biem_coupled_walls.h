@@ -1,5 +1,5 @@
-// The walls' block of the coupled system, distributed: exact solution for walls alone, with the mean
-// velocity where a pressure drop is given instead. Knows no particles, no cells and no GMRES.
+// The walls' block of the coupled system, distributed: exact solution for walls alone, with the
+// mean velocity where a pressure drop is given instead. Knows no particles, no cells and no GMRES.
 // doc/theory, label walls.
 #ifndef BIEM_COUPLED_WALLS_H
 #define BIEM_COUPLED_WALLS_H

@@ -14,10 +14,8 @@
 namespace LAMMPS_NS {
 namespace BiemCompat {
 
-template <int n> struct choice : choice<n - 1> {
-};
-template <> struct choice<0> {
-};
+template <int n> struct choice : choice<n - 1> {};
+template <> struct choice<0> {};
 
 namespace detail {
 

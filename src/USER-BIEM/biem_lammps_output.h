@@ -1,5 +1,6 @@
-// What fix biem shows of an evaluation: its global vector, and a table with a row for each particle,
-// wall or cell of another viscosity. Computes nothing that the flow solver does not already have.
+// What fix biem shows of an evaluation: its global vector, and a table with a row for each
+// particle, wall or cell of another viscosity. Computes nothing that the flow solver does not
+// already have.
 #ifndef BIEM_LAMMPS_OUTPUT_H
 #define BIEM_LAMMPS_OUTPUT_H
 

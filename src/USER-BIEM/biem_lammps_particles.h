@@ -27,7 +27,7 @@ class LammpsParticles : protected Pointers {
   std::vector<biem::Mat3> orientations(int n_surfaces) const;
   biem::Mat3 orientation(int surface) const;
 
-  // forces (3 x n_owned) += nodal forces with the force and torque that fix biem's group prescribes.
+  // forces (3 x n_owned) += nodal forces with the force and torque that the groups prescribe.
   void add_prescribed_loads(const NodeGroups &groups, biem::PointsRef forces) const;
   // From an evaluation: velocities of the bodies, background flow included.
   void set_motions(const biem::Evaluation &evaluation, const biem::BackgroundFlow &flow);

@@ -119,7 +119,8 @@ SolverReport Gmres::solve(const LinearMap &apply_operator, const LinearMap &appl
     const CycleEnd end = run_cycle(apply_operator, apply_preconditioner, report, solution);
     const double estimate = report.history.back();
     report.residual = estimate;
-    if (control_.final_residual == FinalResidual::Estimated && estimate <= control_.tolerance) break;
+    const bool is_trusted = control_.final_residual == FinalResidual::Estimated;
+    if (is_trusted && estimate <= control_.tolerance) break;
     report.residual =
         compute_residual(apply_operator, right_hand_side, solution, report.iterations);
     report.history.back() = report.residual;

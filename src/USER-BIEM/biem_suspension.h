@@ -1,7 +1,8 @@
-// One evaluation of Eq. 5 of Zhao et al. 2012 for a whole scene: forces on the nodes of all surfaces
-// in, velocities of all nodes out. Membrane forces act through the single layer; what else there is
-// (other inside viscosities, rigid particles, walls) is the coupled system's, built only where the
-// scene has it. A projection keeps every cell's volume. Knows no constitutive law and no time.
+// One evaluation of Eq. 5 of Zhao et al. 2012 for a whole scene: forces on the nodes of all
+// surfaces in, velocities of all nodes out. Membrane forces act through the single
+// layer; what else there is (other inside viscosities, rigid particles, walls) is the coupled
+// system's, built only where the scene has it. A projection keeps every cell's volume. Knows no
+// constitutive law and no time.
 #ifndef BIEM_SUSPENSION_H
 #define BIEM_SUSPENSION_H
 
@@ -52,8 +53,8 @@ struct Evaluation {
   // background flow there; where that is.
   std::vector<SurfaceMotion> motions;
   std::vector<Vec3> centroids;
-  // By surface, where the coupled system has it: mu int (phi n + n phi) dA - sym int F x dA, without
-  // trace: what it adds to the mean stress is this divided by the volume.
+  // By surface, where the coupled system has it: mu int (phi n + n phi) dA - sym int F x dA,
+  // without trace: what it adds to the mean stress is this divided by the volume.
   std::vector<Mat3> stresslets;
   Vec3 mean_velocity = Vec3::Zero();    // of the whole cell
   Vec3 pressure_drop = Vec3::Zero();    // mean -grad p: balances all forces on the fluid
@@ -68,9 +69,9 @@ class Suspension {
              const Scene &scene);
 
   void set_cell(const Mat3 &cell, const Vec3 &origin);
-  // forces: 3 x n_owned, on the fluid; on a rigid particle only their sum and torque count, on walls
-  // none may act. guess: of the coupled system's solution; empty: zero. Collective. Throws Error on
-  // collapsed elements, NotConverged.
+  // forces: 3 x n_owned, on the fluid; on a rigid particle only their sum and torque count, on
+  // walls none may act. guess: of the coupled system's solution; empty: zero. Collective. Throws
+  // Error on collapsed elements, NotConverged.
   Evaluation evaluate(const Configuration &configuration, PointsView forces,
                       const Conditions &conditions, const CoupledFields &guess,
                       CellVolumes &volumes, NodeExchange &exchange);

@@ -2,6 +2,7 @@
 #include "fix_biem.h"
 #include "atom.h"
 #include "biem_lammps_compat.h"
+#include "biem_lammps_history.h"
 #include "biem_lammps_output.h"
 #include "biem_lammps_script_check.h"
 #include "biem_lammps_settings.h"
@@ -54,26 +55,14 @@ struct FixBiem::Impl {
   NeighList *list = nullptr;
   FlowOutput output;
   bool is_warned = false;
-  // Mean velocity that a pressure drop drives, now and one step ago; how many solutions of the
-  // coupled system the extrapolation has (2 are enough).
-  biem::Vec3 mean = biem::Vec3::Zero(), previous_mean = biem::Vec3::Zero();
-  int n_solutions = 0;
-  double solution_dt = 0.0;    // between the last two
+  SolutionHistory history;
 
   Impl(LAMMPS *lmp, Fix *fix, const FixBiemSettings &s) :
-      settings(s), solver(lmp, fix, s), box(lmp, s.conditions.flow.shear_rate()), output(lmp, s)
+      settings(s), solver(lmp, fix, s), box(lmp, s.conditions.flow.shear_rate()), output(lmp, s),
+      history(lmp, kSolution, kPreviousSolution)
   {
   }
-  biem::Mat3 get_frame(int node) const;    // of a rigid particle; identity for all other nodes
 };
-
-biem::Mat3 FixBiem::Impl::get_frame(int node) const
-{
-  const int s = solver.find_surface(node);
-  if (s < 0 || solver.scene().surfaces[s].kind != biem::SurfaceKind::Rigid)
-    return biem::Mat3::Identity();
-  return solver.particles.orientation(s);
-}
 
 FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array(nullptr)
 {
@@ -240,18 +229,10 @@ void FixBiem::evaluate(Start start)
 {
   check_forces();
   Impl &m = *impl;
-  const bool is_extrapolated = start == Start::Extrapolated && m.n_solutions > 1;
-  const double ratio = is_extrapolated ? update->dt / m.solution_dt : 0.0;
-  biem::CoupledFields guess;
-  if (m.solver.has_unknowns() && m.n_solutions > 0) {
-    guess.nodes.resize(3, atom->nlocal);
-    guess.mean = m.mean + ratio * (m.mean - m.previous_mean);
-  }
-  for (int i = 0; i < guess.nodes.cols(); i++) {
-    const Eigen::Map<biem::Vec3> now(array[i] + kSolution), before(array[i] + kPreviousSolution);
-    guess.nodes.col(i) = m.get_frame(i) * (now + ratio * (now - before));
-  }
-  const biem::Evaluation e = m.solver.evaluate(guess);
+  const auto kind = start == Start::FromLast ? SolutionHistory::Start::FromLast
+                                             : SolutionHistory::Start::Extrapolated;
+  const biem::Evaluation e = m.solver.evaluate(m.history.make_guess(kind, m.solver, array));
+  m.history.keep(kind, m.solver, e.solution, array);
   for (int i = 0; i < atom->nlocal; i++) {
     double *a = array[i];
     Eigen::Map<biem::Vec3> velocity(a + kVelocity), traction(a + kTraction), total(atom->v[i]);
@@ -260,17 +241,7 @@ void FixBiem::evaluate(Start start)
     traction = e.traction.col(i);
     a[kArea] = e.areas[i];
     total = velocity + m.settings.conditions.flow.velocity(position);
-    if (!m.solver.has_unknowns()) continue;
-    if (start == Start::Extrapolated) std::copy_n(a + kSolution, 3, a + kPreviousSolution);
-    Eigen::Map<biem::Vec3>(a + kSolution) = m.get_frame(i).transpose() * e.solution.nodes.col(i);
   }
-  if (start == Start::Extrapolated) {
-    m.previous_mean = m.mean;
-    m.solution_dt = update->dt;
-    m.n_solutions = std::min(2, m.n_solutions + 1);
-  }
-  m.n_solutions = std::max(1, m.n_solutions);
-  m.mean = e.solution.mean;
   m.output.publish(e, m.solver, m.box);
   check_volumes();
 }
@@ -337,15 +308,8 @@ void FixBiem::write_restart(FILE *file)
 {
   if (comm->me != 0) return;
   std::vector<double> list = {kRestartFormat};
-  const std::vector<double> start = {static_cast<double>(impl->n_solutions),
-                                     impl->solution_dt,
-                                     impl->mean[0],
-                                     impl->mean[1],
-                                     impl->mean[2],
-                                     impl->previous_mean[0],
-                                     impl->previous_mean[1],
-                                     impl->previous_mean[2]};
-  for (const std::vector<double> &part : {impl->box.get_state(), start, impl->solver.get_state()})
+  for (const std::vector<double> &part :
+       {impl->box.get_state(), impl->history.get_state(), impl->solver.get_state()})
     list.insert(list.end(), part.begin(), part.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, file);
@@ -360,11 +324,8 @@ void FixBiem::restart(char *buffer)
                       "continue it with that version, or write a data file and start from it");
   impl->box.set_state(state);
   state += ShearedBox::kStateSize;
-  impl->n_solutions = static_cast<int>(state[0]);
-  impl->solution_dt = state[1];
-  impl->mean = biem::Vec3(state + 2);
-  impl->previous_mean = biem::Vec3(state + 5);
-  impl->solver.set_state(state + 8);
+  impl->history.set_state(state);
+  impl->solver.set_state(state + SolutionHistory::kStateSize);
 }
 
 int FixBiem::pack_restart(int i, double *buffer)

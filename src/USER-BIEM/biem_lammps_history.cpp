@@ -1,0 +1,76 @@
+// History of the coupled system's solutions: see the header.
+#include "biem_lammps_history.h"
+#include "atom.h"
+#include "update.h"
+#include <algorithm>
+
+namespace LAMMPS_NS {
+
+namespace {
+
+// The frame in which the solution at a node changes slowly: of its rigid particle, or of space.
+biem::Mat3 get_frame(const LammpsSolver &solver, int node)
+{
+  const int s = solver.find_surface(node);
+  if (s < 0 || solver.scene().surfaces[s].kind != biem::SurfaceKind::Rigid)
+    return biem::Mat3::Identity();
+  return solver.particles.orientation(s);
+}
+
+}    // namespace
+
+biem::CoupledFields SolutionHistory::make_guess(Start start, const LammpsSolver &solver,
+                                                double **array) const
+{
+  biem::CoupledFields guess;
+  if (!solver.has_unknowns() || n_solutions_ == 0) return guess;
+  const bool is_extrapolated = start == Start::Extrapolated && n_solutions_ > 1;
+  const double ratio = is_extrapolated ? update->dt / dt_ : 0.0;
+  guess.mean = mean_ + ratio * (mean_ - previous_mean_);
+  guess.nodes.resize(3, atom->nlocal);
+  for (int i = 0; i < atom->nlocal; i++) {
+    const Eigen::Map<biem::Vec3> now(array[i] + now_), before(array[i] + before_);
+    guess.nodes.col(i) = get_frame(solver, i) * (now + ratio * (now - before));
+  }
+  return guess;
+}
+
+void SolutionHistory::keep(Start start, const LammpsSolver &solver,
+                           const biem::CoupledFields &solution, double **array)
+{
+  if (!solver.has_unknowns()) return;
+  const bool is_step = start == Start::Extrapolated;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (is_step) std::copy_n(array[i] + now_, 3, array[i] + before_);
+    Eigen::Map<biem::Vec3>(array[i] + now_) =
+        get_frame(solver, i).transpose() * solution.nodes.col(i);
+  }
+  if (is_step) {
+    previous_mean_ = mean_;
+    dt_ = update->dt;
+  }
+  mean_ = solution.mean;
+  n_solutions_ = std::min(2, std::max(1, n_solutions_ + (is_step ? 1 : 0)));
+}
+
+std::vector<double> SolutionHistory::get_state() const
+{
+  return {static_cast<double>(n_solutions_),
+          dt_,
+          mean_[0],
+          mean_[1],
+          mean_[2],
+          previous_mean_[0],
+          previous_mean_[1],
+          previous_mean_[2]};
+}
+
+void SolutionHistory::set_state(const double *state)
+{
+  n_solutions_ = static_cast<int>(state[0]);
+  dt_ = state[1];
+  mean_ = biem::Vec3(state + 2);
+  previous_mean_ = biem::Vec3(state + 5);
+}
+
+}    // namespace LAMMPS_NS
