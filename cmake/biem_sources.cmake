@@ -3,6 +3,7 @@ set(BIEM_SOURCE_DIR ${CMAKE_CURRENT_LIST_DIR}/../src/USER-BIEM)
 
 # Core: namespace biem, no LAMMPS header.
 set(BIEM_CORE_SOURCES
+  biem_body_load.cpp
   biem_coupled_system.cpp
   biem_coupled_walls.cpp
   biem_element_flat.cpp

@@ -3,6 +3,7 @@
 #ifndef BIEM_TEST_FREE_SPACE_BODY_H
 #define BIEM_TEST_FREE_SPACE_BODY_H
 
+#include "biem_body_load.h"
 #include "biem_kernel_stokeslet.h"
 #include "biem_kernel_stresslet.h"
 #include "biem_mesh_shape.h"
@@ -70,14 +71,15 @@ class Body {
   const SurfaceGeometry &surface() const { return operator_.modes().surface(0); }
 
   // The density of the body in the flow u = gradient x, or driven by a force and a torque about its
-  // centroid in a fluid at rest, which it passes on by a force density that is a rigid motion.
+  // centroid in a fluid at rest.
   Points solve_in_flow(const Mat3 &gradient) const { return solve(gradient * mesh_.nodes); }
   Points solve_driven(const Vec3 &force, const Vec3 &torque, double viscosity) const
   {
-    const SurfaceMotion motion = {force / surface().area, surface().inertia_inverse * torque, 0.0};
+    const BodyLoad load(mesh_.nodes, mesh_.triangles);
+    const BodyLoad::Coefficients coefficients = load.solve(force, torque);
     Points density(3, mesh_.nodes.cols());
     for (Eigen::Index i = 0; i < density.cols(); i++)
-      density.col(i) = operator_.modes().compute_rigid(motion, i);
+      density.col(i) = load.compute_density(coefficients, i);
     return solve(compute_layers(mesh_, density, kNone) / (8.0 * M_PI * viscosity));
   }
 

@@ -20,6 +20,8 @@ Suspension::Suspension(MPI_Comm comm, const SumParameters &parameters,
   if (settings.drive == Drive::PressureDrop && !scene.has(SurfaceKind::Wall))
     throw Error("a pressure drop drives a flow only against walls, and this scene has none; give a "
                 "mean velocity instead");
+  for (const SurfaceMesh &shape : scene.shapes)
+    body_loads_.emplace_back(shape.nodes, shape.triangles);
   if (has_unknowns_)
     coupled_ = std::make_unique<CoupledSystem>(comm, parameters.coupled, settings.viscosity,
                                                settings.control, scene, settings.drive);
@@ -103,8 +105,7 @@ Points Suspension::compute_traction(const Configuration &c, PointsView forces,
   return density;
 }
 
-// A force on a particle is a uniform density over its surface, a torque a rotational one: the
-// double layer of a rigid motion takes care of the rest.
+// Only the sum of the forces on a particle and their torque count.
 void Suspension::spread_body_forces(const Configuration &c, PointsView forces, PointsRef density,
                                     NodeExchange &exchange) const
 {
@@ -122,12 +123,19 @@ void Suspension::spread_body_forces(const Configuration &c, PointsView forces, P
     load(s, 3) += x.cross(force);
   }
   exchange.sum(loads.data(), static_cast<int>(loads.size()));
+  std::vector<BodyLoad::Coefficients> coefficients(n);    // in the body frames
+  for (size_t s = 0; s < n; s++) {
+    if (scene_.surfaces[s].kind != SurfaceKind::Rigid) continue;
+    const Mat3 to_body = c.orientations[s].transpose();
+    const int k = static_cast<int>(s);
+    coefficients[s] =
+        body_loads_[scene_.surfaces[s].shape].solve(to_body * load(k, 0), to_body * load(k, 3));
+  }
   for (int i = 0; i < c.n_owned; i++) {
     if (!is_kind(c, i, SurfaceKind::Rigid)) continue;
     const int s = c.surface_of_node[i];
-    const SurfaceGeometry &g = modes.surface(s);
-    const Vec3 x = modes.relative().col(i), spin = g.inertia_inverse * load(s, 3);
-    density.col(i) = load(s, 0) / g.area + spin.cross(x);
+    density.col(i) = c.orientations[s] * body_loads_[scene_.surfaces[s].shape].compute_density(
+                                             coefficients[s], c.index_of_node[i]);
   }
 }
 

@@ -6,6 +6,7 @@
 #ifndef BIEM_SUSPENSION_H
 #define BIEM_SUSPENSION_H
 
+#include "biem_body_load.h"
 #include "biem_coupled_system.h"
 #include "biem_flow.h"
 
@@ -100,6 +101,7 @@ class Suspension {
   LayerOperator force_operator_;
   bool has_forces_ = true, has_body_forces_ = false;    // some surface carries a single layer of F
   long version_ = -1;
+  std::vector<BodyLoad> body_loads_;    // by shape
   std::unique_ptr<CoupledSystem> coupled_;
 };
 
