@@ -33,7 +33,7 @@ step "Building"
 mkdir -p "$build"
 log=$build/report.log
 cmake -S "$top" -B "$build" -DBIEM_BUILD_BENCH=on -DBIEM_BUILD_TESTS=off >"$log" 2>&1 &&
-  cmake --build "$build" --parallel 2 --target ewald suspension near_triangle_bench \
+  cmake --build "$build" --parallel 2 --target ewald suspension near_triangle_bench lmp_biem \
     >>"$log" 2>&1 || { tail -n 30 "$log" >&2; exit 1; }
 if [ $mode = quick ]; then
   page=$build/speed-vs-error
@@ -100,6 +100,10 @@ step "A suspension of red cells"
 for n_ranks in 1 2; do
   measure suspension.csv $n_ranks suspension --cells $cells
 done
+
+step "Blocks of the coupled system"
+[ $mode = quick ] && blocks="--cells 2 --nodes 162" || blocks="--cells 8 --nodes 642"
+/usr/bin/python3 "$top/bench/blocks.py" --lmp "$build/lmp_biem" $blocks >"$results/blocks.csv"
 
 step "Near field"
 "$build/bench/near_triangle_bench" --benchmark_min_time=0.1 --benchmark_format=json \

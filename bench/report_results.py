@@ -72,6 +72,7 @@ class Results:
         self.accuracy = (read_csv(folder / "accuracy_pswf.csv") +
                          read_csv(folder / "accuracy_spme.csv"))
         self.suspension = read_csv(folder / "suspension.csv")
+        self.blocks = read_csv(folder / "blocks.csv")
         self.near = read_csv(folder / "near_triangle.csv")
         self.machine = read_csv(folder / "machine.csv")[0]
         # The number of points of the tables: 1e5 in the full report.

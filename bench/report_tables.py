@@ -207,6 +207,18 @@ def tabulate_suspension(results):
     return make_table(head, rows)
 
 
+def tabulate_blocks(results):
+    head = ["scene", "accuracy", "error", "time per step, ms", "membrane forces' sum",
+            "coupled system", "everything else", "iterations", "cold"]
+    rows = []
+    for row in results.blocks:
+        rest = row["wall_ms"] - row["forces_ms"] - row["coupled_ms"]
+        rows.append([row["scene"], power_of_ten(row["accuracy"]), show_error(row["error"]),
+                     show(row["wall_ms"]), show(row["forces_ms"]), show(row["coupled_ms"]),
+                     show(rest), show(row["iterations"], 2), show(row["cold_iterations"])])
+    return make_table(head, rows)
+
+
 def tabulate_near(results):
     return make_table(["case", "ns per pair"],
                       [[f"`{row['name']}`", show(row["ns_per_pair"])] for row in results.near])
@@ -221,5 +233,6 @@ TABLES = {
     "ranks": tabulate_ranks,
     "accuracy": tabulate_accuracy,
     "suspension": tabulate_suspension,
+    "blocks": tabulate_blocks,
     "near": tabulate_near,
 }

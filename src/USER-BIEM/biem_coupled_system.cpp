@@ -275,7 +275,9 @@ SolverReport CoupledSystem::solve(const Configuration &c, const CoupledFields &r
   if (has_mean_) wanted.mean = walls_.to_velocity(right_hand_side.mean);
   if (!has_double_) {    // walls alone: their inverse is all that it takes
     walls_.solve(wanted, solution, exchange);
-    return SolverReport();
+    SolverReport report;
+    report.residual = walls_.residual();
+    return report;
   }
   auto operate = [&](const Eigen::VectorXd &in, Eigen::VectorXd &out) {
     out = pack(apply_operator(c, unpack(in, exchange), exchange));

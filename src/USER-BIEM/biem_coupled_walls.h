@@ -46,6 +46,9 @@ class WallBlock {
   // Force densities that cause no flow, 3 x n_owned each: unit pressure jumps across closed sheets.
   std::vector<Points> compute_null_vectors() const;
   double area() const { return area_; }    // of all walls
+  // Relative residual of the inverse for a rough velocity, measured when it was made: what the noise
+  // of the periodic sum leaves.
+  double residual() const { return residual_; }
   std::string describe() const { return inverse_->describe(); }
 
  private:
@@ -53,6 +56,7 @@ class WallBlock {
   Points distribute(const Points &replicated) const;
   Points gather(PointsView field, NodeExchange &exchange) const;
   void invert(const WallMesh &mesh, const Response &response, NodeExchange &exchange);
+  double measure_residual(const WallResponse &respond) const;
   void find_blocked_directions(NodeExchange &exchange);
 
   Drive drive_;
@@ -60,7 +64,7 @@ class WallBlock {
   Eigen::Index n_wall_nodes_ = 0;
   std::vector<int> index_;
   Eigen::VectorXd areas_;
-  double volume_ = 1.0, area_ = 0.0;
+  double volume_ = 1.0, area_ = 0.0, residual_ = 0.0;
   std::array<bool, 3> is_blocked_{};
   // Force densities -W^-1 e_a that a uniform velocity asks of the walls, 3 x n_owned each; zero in
   // blocked directions. L, and its inverse.

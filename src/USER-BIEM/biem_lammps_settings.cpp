@@ -21,6 +21,7 @@ const std::set<std::string> kRepeatable = {"cells", "rigid", "wall"};
 // Residual of the coupled system, of the accuracy that the periodic sum is asked for.
 constexpr double kSolverShare = 0.1;
 
+constexpr double kLeastTolerance = 1e-14;
 constexpr int kMostGridPoints = 4096;    // along one axis
 constexpr int kMostIterations = 10000;
 
@@ -143,6 +144,10 @@ void complete_surfaces(Arguments &arguments, bool has_ratio, double ratio, FixBi
       arguments.fail("group '" + g.name + "' is named twice: each group has one kind of surfaces");
     has_cells = has_cells || g.kind == biem::SurfaceKind::Cell;
   }
+  for (const std::string &points : {s.tracers, s.probes})
+    if (!points.empty() && !names.insert(points).second)
+      arguments.fail("group '" + points + "' is named twice: its atoms are either on surfaces, or "
+                     "tracers, or probes");
   if (has_cells && has_ratio)
     arguments.fail("viscosity/ratio stands alone, but cells are named: give it after the group, "
                    "'cells <group> viscosity/ratio <ratio>'");
@@ -155,8 +160,12 @@ void complete_surfaces(Arguments &arguments, bool has_ratio, double ratio, FixBi
 void parse_solver_keyword(Arguments &arguments, const std::string &keyword, FixBiemSettings &s)
 {
   if (keyword == "solver/tolerance") {
-    s.suspension.control.tolerance = arguments.positive(keyword);
-    if (s.suspension.control.tolerance >= 1.0) arguments.fail(keyword + " must be less than 1");
+    const double tolerance = arguments.positive(keyword);
+    if (tolerance >= 1.0 || tolerance < kLeastTolerance)
+      arguments.fail(fmt::format("solver/tolerance {:.8g} is out of range: it must be less than 1 "
+                                 "and at least {:g}, where rounding errors begin",
+                                 tolerance, kLeastTolerance));
+    s.suspension.control.tolerance = tolerance;
   } else {
     s.suspension.control.max_iterations = arguments.integer(keyword, 1, kMostIterations);
   }

@@ -272,8 +272,8 @@ class Surveyor : protected Pointers {
                                                      : 1]++;
     }
     fail_if(smallest(loose), "atom",
-            "is in the cells of fix biem but in no triangle (angle): give it to a group and name "
-            "that group with the keyword 'tracers' or 'probes', or delete it");
+            "is on a cell, rigid particle or wall of fix biem but in no triangle (angle): give it "
+            "to a group and name that group with the keyword 'tracers' or 'probes', or delete it");
     fail_if(smallest(point), "atom", "is a tracer or probe of fix biem but a vertex of a triangle");
     MPI_Allreduce(counts, all, 4, MPI_LONG, MPI_SUM, world);
     survey_.nodes.resize(nodes.size());

@@ -6,6 +6,7 @@
 
 #include "biem_error.h"
 #include "biem_lammps_compat.h"
+#include "biem_lammps_output.h"
 #include "biem_mesh_moments.h"
 
 #include "angle.h"
@@ -15,11 +16,13 @@
 #include "error.h"
 #include "force.h"
 #include "memory.h"
+#include "modify.h"
 #include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 using namespace LAMMPS_NS;
 
@@ -92,6 +95,9 @@ void ComputeBiemCell::init()
                "now; define it after the last command that adds cells", id, size_array_rows, last);
   skalak = force->angle_match("biem/skalak");
   bend = dynamic_cast<DihedralBiemBend *>(force->dihedral_match("biem/bend"));
+  flow = nullptr;
+  for (int i = 0; i < modify->nfix; i++)
+    if (strcmp(modify->fix[i]->style, "biem") == 0) flow = modify->fix[i];
   check_group();
   is_first = 1;
 }
@@ -267,6 +273,25 @@ void ComputeBiemCell::publish(const Sums &sum, tagint m)
     row[11 + c] = sum.velocity[c] / sum.moments.area;
   }
   for (int k = 0; k < 6; k++) row[16 + k] = -(sum.force_moment[k] - moment[k]);
+  if (flow) replace_stresslet(m, row + 16);
+}
+
+/* ----------------------------------------------------------------------
+   the double layer of a rigid particle or of another viscosity has a stresslet, too: that of the
+   flow solver is complete, but for its trace; it is zero for cells that have none
+------------------------------------------------------------------------- */
+
+void ComputeBiemCell::replace_stresslet(tagint m, double *stresslet)
+{
+  if (m > flow->size_array_rows) return;
+  const int row = static_cast<int>(m) - 1;
+  double size = 0.0;
+  for (int k = 0; k < 6; k++)
+    size += std::fabs(flow->compute_array(row, FlowOutput::kStresslet + k));
+  if (size == 0.0) return;
+  const double pressure = (stresslet[0] + stresslet[1] + stresslet[2]) / 3.0;
+  for (int k = 0; k < 6; k++)
+    stresslet[k] = flow->compute_array(row, FlowOutput::kStresslet + k) + (k < 3 ? pressure : 0.0);
 }
 
 /* ---------------------------------------------------------------------- */

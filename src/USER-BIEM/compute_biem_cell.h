@@ -29,6 +29,7 @@ class ComputeBiemCell : public Compute {
   struct Sums;                       // what is added up per cell, over triangles and nodes
   class Angle *skalak;               // angle style biem/skalak, or null
   class DihedralBiemBend *bend;      // dihedral style biem/bend, or null
+  class Fix *flow;                   // fix biem, or null
   double **values;                   // rows by molecule ID, columns as documented
   std::vector<double> origin;        // 3 per molecule, near the cell, so that no digits cancel
   std::vector<double> node_area;     // a third of the adjacent triangles; owned and ghost atoms
@@ -42,6 +43,7 @@ class ComputeBiemCell : public Compute {
   void add_nodes(std::vector<Sums> &);
   void check_image_flags(const int *);
   void publish(const Sums &, tagint);
+  void replace_stresslet(tagint, double *);
 };
 
 }    // namespace LAMMPS_NS

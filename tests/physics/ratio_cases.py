@@ -59,6 +59,17 @@ write_dump all custom {file} id x y z f_b[1] f_b[2] f_b[3] f_b[7] modify sort id
 unfix b
 """
 
+STEPS = """
+timestep {timestep}
+fix b all biem viscosity 1.0 accuracy 1e-3 flow shear xz 1.0 traction consistent &
+  viscosity/ratio {ratio}
+compute cell all biem/cell
+thermo_style custom step c_cell[1][8] c_cell[1][23]
+thermo_modify format float %.12g
+thermo {steps}
+run {steps}
+"""
+
 # a: displacement along E.n, b: along (n.E.n) n
 DISPLACE = """
 variable nx atom c_ref[1]+{a}*0.5*c_ref[3]/v_r+{b}*v_q*c_ref[1]/v_r
@@ -95,6 +106,25 @@ def compute_observables(matrices, C):
     turned = -np.linalg.solve(rates, steady)
     slow, fast = np.sort(-np.linalg.eigvals(rates).real)
     return np.array([0.5 * steady.sum(), 0.5 * turned.sum() / steady.sum(), slow, fast])
+
+
+def compute_steady_shear(ratio, C, Ca):
+    """Taylor deformation and inclination (degrees) in shear, linear in the deformation only: the
+    vorticity turns the shape against the relaxation, (J + i) w = -flow with ES = 1/Ca."""
+    shear, dilatation, flow = compute_exact_matrices(ratio)
+    rates = (shear + 2.0 * C * dilatation) / Ca
+    steady = -np.linalg.solve(rates + 1j * np.eye(2), flow).sum()
+    return 0.5 * abs(steady), 45.0 - 0.5 * abs(np.degrees(np.angle(steady)))
+
+
+def run_steady_shear(nodes, ratio, C, Ca, timestep, duration):
+    """The same at the end of a run with time steps, from a sphere; consistent traction."""
+    script = SETUP.format(half=6.0, shape="sphere radius 1", nodes=nodes)
+    script += f"angle_coeff 1 {1.0 / Ca} {2.0 * C / Ca}\n"
+    script += STEPS.format(ratio=ratio, timestep=timestep, steps=round(duration / timestep))
+    with tempfile.TemporaryDirectory() as folder:
+        row = cases.run_thermo(script, folder)[-1]
+    return row["c_cell[1][8]"], row["c_cell[1][23]"]
 
 
 def read_reference():
@@ -141,7 +171,8 @@ def measure_matrices(nodes, ratio, traction="lumped", box=18.0, accuracy=1e-5):
     for moduli in ("1.0 1.0", "1.0 11.0"):
         for a, b in ((AMPLITUDE, 0.0), (0.0, AMPLITUDE)):
             parts.append(f"angle_coeff 1 {moduli}\n" + DISPLACE.format(a=a, b=b) + still)
-    frames, _ = run_frames("sphere radius 1", nodes, f"cells all viscosity/ratio {ratio}", parts, box)
+    surface = f"cells all viscosity/ratio {ratio}"
+    frames, _ = run_frames("sphere radius 1", nodes, surface, parts, box)
     sphere = frames[0][:, 1:4]
     # The dump has the disturbance. Displacements count in units of the nodes' own radius.
     flow = fit_modes(frames[0], sphere) / np.linalg.norm(sphere, axis=1).mean() + [1.0, 0.0]

@@ -60,11 +60,18 @@ class Files:
     """Writes data and dump files of cells that share one mesh.
 
     cells : int, number of cells;  triangles : (n, 3) of one cell;  n_nodes : of one cell
+    kinds : int array (n_atoms,), molecule and type of each atom; default: all of type 1
     """
 
-    def __init__(self, folder, triangles, n_nodes, n_cells):
+    def __init__(self, folder, triangles, n_nodes, n_cells, kinds=None):
         self.folder, self.triangles = folder, triangles
-        self.n_nodes, self.n_cells = n_nodes, n_cells
+        self.n_nodes, self.n_cells, self.kinds = n_nodes, n_cells, kinds
+
+    def label(self, atom):
+        """Molecule and type of an atom, as text."""
+        if self.kinds is None:
+            return f"{atom // self.n_nodes + 1} 1"
+        return f"{self.kinds[atom]} {self.kinds[atom]}"
 
     def write_data(self, positions, extra="", box=(12, 12, 12), name="cells.data",
                    triangles=None):
@@ -74,14 +81,14 @@ class Files:
         path = os.path.join(self.folder, name)
         with open(path, "w", encoding="utf-8") as out:
             out.write("LAMMPS data file via write_data\n\n"
-                      f"{len(positions)} atoms\n1 atom types\n{len(angles)} angles\n"
+                      f"{len(positions)} atoms\n4 atom types\n{len(angles)} angles\n"
                       "1 angle types\n3 extra special per atom\n\n")
             for length, axis in zip(box, "xyz"):
                 out.write(f"0 {length} {axis}lo {axis}hi\n")
-            out.write(f"0 0 0 xy xz yz\n\nMasses\n\n1 1\n\n{extra}Atoms # molecular\n\n")
+            out.write(f"0 0 0 xy xz yz\n\nMasses\n\n1 1\n2 1\n3 1\n4 1\n\n{extra}Atoms # molecular\n\n")
             for i in np.random.default_rng(1).permutation(len(positions)):
                 x, y, z = positions[i]
-                out.write(f"{i + 1} {i // self.n_nodes + 1} 1 {x:.12g} {y:.12g} {z:.12g} 0 0 0\n")
+                out.write(f"{i + 1} {self.label(i)} {x:.12g} {y:.12g} {z:.12g} 0 0 0\n")
             if len(angles):
                 out.write("\nAngles\n\n")
                 for i, (a, b, c) in enumerate(angles):
@@ -89,8 +96,11 @@ class Files:
         return path
 
     def write_dump(self, frames, tilts=None, box=(12, 12, 12), name="cells.dump",
-                   columns="id mol type xu yu zu vx vy vz", every=100):
-        """Dump of positions (n_frames, n_atoms, 3), triclinic with tilt xz if tilts are given."""
+                   columns="id mol type xu yu zu vx vy vz", every=100, shear_rate=0.0):
+        """Dump of positions (n_frames, n_atoms, 3), triclinic with tilt xz if tilts are given.
+
+        The velocities are (shear_rate z, 0, 0).
+        """
         path = os.path.join(self.folder, name)
         with open(path, "w", encoding="utf-8") as out:
             for k, positions in enumerate(frames):
@@ -106,6 +116,6 @@ class Files:
                               f"0 {box[1]} {tilt:.15g}\n0 {box[2]} 0\n")
                 out.write(f"ITEM: ATOMS {columns}\n")
                 for i, (x, y, z) in enumerate(positions):
-                    out.write(f"{i + 1} {i // self.n_nodes + 1} 1 "
-                              f"{x:.12g} {y:.12g} {z:.12g} 0 0 0\n")
+                    out.write(f"{i + 1} {self.label(i)} {x:.12g} {y:.12g} {z:.12g} "
+                              f"{shear_rate * z:.12g} 0 0\n")
         return path

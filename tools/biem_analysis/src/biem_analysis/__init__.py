@@ -1,4 +1,4 @@
-"""Shapes and pictures of deformable cells: analysis of USER-BIEM trajectories on MDAnalysis.
+"""Shapes, profiles and pictures of cells: analysis of USER-BIEM trajectories on MDAnalysis.
 
 A cell is a closed triangulated surface: nodes = atoms, triangles = angles, cells = molecules.
 All lengths are in the LAMMPS length unit of the run, all times in its time unit.
@@ -11,8 +11,10 @@ with warnings.catch_warnings(record=True):    # MDAnalysis shows deprecations of
 
 from .cell_mesh import CellMesh
 from .cell_shapes import CellShapes
+from .cross_profile import CrossProfile
 from .errors import BiemAnalysisError
 from .trajectory import universe
 from .version import __version__
 
-__all__ = ["BiemAnalysisError", "CellMesh", "CellShapes", "universe", "__version__"]
+__all__ = ["BiemAnalysisError", "CellMesh", "CellShapes", "CrossProfile",
+           "universe", "__version__"]

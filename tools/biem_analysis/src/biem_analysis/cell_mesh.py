@@ -9,12 +9,29 @@ from .errors import BiemAnalysisError
 from .trajectory import get_positions
 
 
+def select_types(universe, types):
+    """Mask (n_atoms,) of the atoms of some types (list of int)."""
+    found = np.asarray(universe.atoms.types).astype(int)
+    missing = sorted(set(types) - set(found.tolist()))
+    if missing:
+        raise BiemAnalysisError(f"there is no atom of type {missing[0]}; there are "
+                                f"{' '.join(map(str, np.unique(found)))}")
+    return np.isin(found, types)
+
+
 class CellMesh:
     """Closed surfaces, one per cell, with triangles ordered counter-clockwise from outside.
+
+    Parameters
+    ----------
+    universe : MDAnalysis.Universe
+    types : list of int, optional, atom types of the cells; default: all atoms with triangles.
+        Walls are not closed and must be left out.
 
     Attributes
     ----------
     molecules : int array (n_cells,), molecule id of each cell, ascending
+    types : int array (n_cells,), atom type of each cell
     triangles : int array (n_triangles, 3), atom indices, sorted by cell
     triangle_cell : int array (n_triangles,), index of the cell of each triangle
     triangle_start : int array (n_cells,), first triangle of each cell
@@ -22,11 +39,14 @@ class CellMesh:
     node_cell, node_start : as for triangles
     """
 
-    def __init__(self, universe):
+    def __init__(self, universe, types=None):
         triangles = np.asarray(universe.angles.indices, dtype=np.int64).reshape(-1, 3)
+        if types is not None:
+            triangles = triangles[select_types(universe, types)[triangles].all(axis=1)]
         if len(triangles) == 0:
-            raise BiemAnalysisError("the data file has no triangles (LAMMPS angles), so there are "
-                                    "no cells; write it after create_cells")
+            chosen = "" if types is None else " of the chosen atom types"
+            raise BiemAnalysisError(f"the data file has no triangles (LAMMPS angles){chosen}, so "
+                                    "there are no cells; write it after create_cells")
         molecule = universe.atoms.resids[triangles]
         mixed = np.flatnonzero(np.any(molecule != molecule[:, :1], axis=1))
         if len(mixed):
@@ -38,6 +58,7 @@ class CellMesh:
         self.molecules, self.triangle_start, self.triangle_cell = np.unique(
             molecule[order, 0], return_index=True, return_inverse=True)
         self._collect_nodes()
+        self.types = np.asarray(universe.atoms.types).astype(int)[self.nodes[self.node_start]]
         self._orient(get_positions(universe.trajectory.ts))
 
     @property
@@ -72,7 +93,7 @@ class CellMesh:
             raise BiemAnalysisError(
                 f"the surface of molecule {self.molecules[self.triangle_cell[bad]]} is not "
                 "closed: an edge belongs to one triangle or to more than two; the data file may "
-                "lack triangles")
+                "lack triangles, or this is a wall: name the atom types of the cells (--types)")
         one, other = order[0::2], order[1::2]
         neighbor = np.empty(len(begin), dtype=np.int64)
         neighbor[one], neighbor[other] = other // 3, one // 3

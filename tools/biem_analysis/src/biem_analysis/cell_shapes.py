@@ -43,6 +43,8 @@ class CellShapes(AnalysisBase):
         analysed.  Only differences within a cell matter.
     verbose : bool
         show progress
+    types : list of int, optional
+        atom types of the cells; default: all atoms with triangles
 
     After `run()`, `results` holds for n_frames frames and n_cells cells (lengths in the LAMMPS
     length unit, angles in degrees unless stated):
@@ -75,7 +77,8 @@ class CellShapes(AnalysisBase):
     with the default format %g has 6 digits, so positions near 1000 have an error of 0.005).
     """
 
-    def __init__(self, universe, shear_plane="xz", reference=None, verbose=False):
+    def __init__(self, universe, shear_plane="xz", reference=None, verbose=False,
+                 types=None):
         super().__init__(universe.trajectory, verbose=verbose)
         if (len(shear_plane) != 2 or not set(shear_plane) <= set(AXIS_NAMES)
                 or shear_plane[0] == shear_plane[1]):
@@ -83,7 +86,7 @@ class CellShapes(AnalysisBase):
                                     "x, y, z; give flow and gradient direction, e.g. xz")
         self._flow, self._gradient = (AXIS_NAMES.index(letter) for letter in shear_plane)
         self._reference = reference
-        self.mesh = CellMesh(universe)
+        self.mesh = CellMesh(universe, types)
 
     def _prepare(self):
         if self.n_frames == 0:
@@ -153,7 +156,8 @@ class CellShapes(AnalysisBase):
             raise BiemAnalysisError(
                 f"molecule {self.mesh.molecules[cell]} has an edge longer than half the box in "
                 f"frame {self._ts.frame}: its nodes are in different periodic images; write the "
-                "dump with xu yu zu and keep the image flags of the run")
+                "dump with xu yu zu and keep the image flags of the run; if it is a wall, "
+                "name the atom types of the cells (--types)")
         if np.any(moments.volume <= 0):
             cell = np.argmax(moments.volume <= 0)
             raise BiemAnalysisError(

@@ -8,8 +8,10 @@ import time as clock
 import numpy as np
 
 from .cell_shapes import AXIS_NAMES, CellShapes
+from .cross_profile import CrossProfile
 from .data_file import read_reference_shape
 from .errors import BiemAnalysisError
+from .flow_command import add_flow_commands
 from .trajectory import get_positions, universe
 from .version import __version__
 
@@ -34,6 +36,7 @@ def make_parser():
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     shapes = commands.add_parser("shapes", help="table of cell shapes in time (CSV)")
     add_input_arguments(shapes)
+    add_shear_plane(shapes)
     shapes.add_argument("--out", default="shapes.csv", metavar="FILE",
                         help="CSV file to write (default: %(default)s)")
     shapes.add_argument("--reference", choices=("first", "data"), default="first",
@@ -42,6 +45,7 @@ def make_parser():
     shapes.set_defaults(run=run_shapes)
     pictures = commands.add_parser("pictures", help="pictures of the cells and curves (PNG)")
     add_input_arguments(pictures)
+    add_shear_plane(pictures)
     pictures.add_argument("--out", default="pictures", metavar="DIR",
                           help="folder to write to, made if needed (default: %(default)s)")
     pictures.add_argument("--panels", type=positive_integer, default=4, metavar="N",
@@ -51,23 +55,45 @@ def make_parser():
     pictures.add_argument("--no-marker", action="store_true",
                           help="leave out the bright spot that shows the membrane turning")
     pictures.set_defaults(run=run_pictures)
+    profile = commands.add_parser("profile", help="volume fraction and velocity across a channel")
+    add_input_arguments(profile)
+    profile.add_argument("--axis", choices=AXIS_NAMES, default="z",
+                         help="coordinate of the profile (default: %(default)s)")
+    profile.add_argument("--flow", choices=AXIS_NAMES, default="x",
+                         help="component of the velocity (default: %(default)s)")
+    profile.add_argument("--bins", type=positive_integer, default=24, metavar="N",
+                         help="number of bins over the box (default: %(default)s)")
+    profile.add_argument("--points", type=positive_integer, nargs="+", metavar="TYPE",
+                         help="atom types of points in the flow, probes or tracers (default: no "
+                         "velocity)")
+    profile.add_argument("--out", default="profile", metavar="DIR",
+                         help="folder to write to, made if needed (default: %(default)s)")
+    profile.set_defaults(run=run_profile)
+    add_flow_commands(commands)
     return parser
 
 
 def add_input_arguments(parser):
-    """Arguments that both commands have."""
+    """Arguments that all commands have."""
     parser.add_argument("--data", required=True, metavar="FILE",
                         help="LAMMPS data file: write_data cells.data nocoeff nofix")
     parser.add_argument("--dump", required=True, metavar="FILE",
                         help="dump custom ... id mol type xu yu zu vx vy vz")
     parser.add_argument("--timestep", type=positive_number, required=True, metavar="DT",
                         help="time step of the run (LAMMPS command timestep)")
-    parser.add_argument("--shear-plane", default="xz", metavar="AB",
-                        help="flow and gradient direction (default: %(default)s)")
+    parser.add_argument("--types", type=positive_integer, nargs="+", metavar="TYPE",
+                        help="atom types of the cells; needed if there are walls (default: all "
+                        "atoms with triangles)")
     parser.add_argument("--start", type=int, metavar="FRAME", help="first frame used, from 0")
     parser.add_argument("--stop", type=int, metavar="FRAME", help="frame to stop before")
     parser.add_argument("--step", type=positive_integer, metavar="N", help="use every Nth frame")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
+
+
+def add_shear_plane(parser):
+    """The argument of the commands that look at shapes."""
+    parser.add_argument("--shear-plane", default="xz", metavar="AB",
+                        help="flow and gradient direction (default: %(default)s)")
 
 
 def positive_number(text):
@@ -91,7 +117,8 @@ def analyse(options, reference=None):
     system = universe(options.data, options.dump, dt=options.timestep)
     if reference == "data":
         reference = read_reference_shape(options.data, system.atoms.ids)
-    shapes = CellShapes(system, shear_plane=options.shear_plane, reference=reference)
+    shapes = CellShapes(system, shear_plane=options.shear_plane, reference=reference,
+                        types=options.types)
     shapes.run(start=options.start, stop=options.stop, step=options.step,
                verbose=not options.quiet)
     return system, shapes
@@ -143,3 +170,18 @@ def run_pictures(options):
             print(path)
         else:
             print(f"{path}  ({clock.perf_counter() - begin:.1f} s)")
+
+
+def run_profile(options):
+    """Subcommand profile."""
+    from . import pictures    # as above
+    system = universe(options.data, options.dump, dt=options.timestep)
+    profile = CrossProfile(system, axis=options.axis, n_bins=options.bins, types=options.types,
+                           points=options.points, flow=options.flow)
+    profile.run(start=options.start, stop=options.stop, step=options.step,
+                verbose=not options.quiet)
+    os.makedirs(options.out, exist_ok=True)
+    table, picture = (os.path.join(options.out, name) for name in ("profile.csv", "profile.png"))
+    profile.write_csv(table)
+    pictures.draw_profile(profile.results, picture, options.axis, options.flow)
+    print(f"{table}\n{picture}")

@@ -62,6 +62,40 @@ def compute_cell_moments(vertices, triangle_start, triangle_cell, near):
     return CellMoments(solid[0], solid[1] + near, solid[2], shell[0], shell[2], triangle_area)
 
 
+def compute_volume_below(vertices, heights, axis, levels):
+    """Volume below planes of the solids that closed surfaces bound, summed over the solids.
+
+    Divergence theorem with the field min(height, level) along the axis, which is linear in each
+    triangle but for the part above the plane, a triangle or what one leaves.
+
+    Parameters
+    ----------
+    vertices : array (n_triangles, 3, 3), length
+    heights : array (n_triangles, 3), length, coordinate of the vertices along `axis`, perhaps
+        shifted by cell
+    axis : int (0..2)
+    levels : array (n,), length, coordinates of the planes
+
+    Returns
+    -------
+    array (n,), length^3
+    """
+    edges = vertices[:, 1:] - vertices[:, :1]
+    projected = 0.5 * np.cross(edges[:, 0], edges[:, 1])[:, axis]
+    ordered = np.sort(heights, axis=1).T
+    rise, step, drop = ordered[1] - ordered[0], ordered[2] - ordered[0], ordered[2] - ordered[1]
+    tip_scale, rest_scale = (np.maximum(3.0 * step * side, 1e-300) for side in (drop, rise))
+    mean = heights.mean(axis=1)
+    volume = np.zeros(len(levels))
+    for k, level in enumerate(levels):
+        low, middle, high = ordered - level
+        tip = np.maximum(high, 0.0) ** 3 / tip_scale    # one vertex above
+        rest = mean - level + np.maximum(-low, 0.0) ** 3 / rest_scale
+        above = np.where(low >= 0.0, mean - level, np.where(middle > 0.0, rest, tip))
+        volume[k] = projected @ (mean - np.where(high > 0.0, above, 0.0))
+    return volume
+
+
 def compute_semi_axes(covariance):
     """Semi-axes (n, 3), longest first, of the ellipsoids of the same moments, length.
 

@@ -4,7 +4,7 @@ camera, smooth, rasterizer and shading know points, triangles and pixels only; s
 the periodic box; figures know files, titles and matplotlib.
 """
 
-from .figures import draw_final, draw_shapes, draw_snapshots
+from .figures import draw_final, draw_profile, draw_shapes, draw_snapshots
 from .scene import SceneRenderer
 
-__all__ = ["SceneRenderer", "draw_final", "draw_shapes", "draw_snapshots"]
+__all__ = ["SceneRenderer", "draw_final", "draw_profile", "draw_shapes", "draw_snapshots"]

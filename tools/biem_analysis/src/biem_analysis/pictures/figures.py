@@ -1,6 +1,8 @@
-"""Figures as PNG files: snapshots in time, the last frame, inclination and deformation in time.
+"""Figures as PNG files: snapshots in time, the last frame, inclination and deformation in time,
+profiles across a channel.
 
-Knows files, titles and matplotlib; takes images from the renderer and curves from CellShapes.
+Knows files, titles and matplotlib; takes images from the renderer and curves from CellShapes and
+CrossProfile.
 """
 
 import numpy as np
@@ -144,5 +146,30 @@ def draw_shapes(results, path, shear_plane="xz"):
     for line in upper.legend(frameon=False, fontsize=9, loc="best").get_lines():
         line.set_alpha(1.0)
     figure.align_ylabels()
+    figure.tight_layout()
+    figure.savefig(path)
+
+
+def draw_profile(results, path, axis="z", flow="x"):
+    """Velocity and volume fraction across the channel, means over time; of CrossProfile."""
+    curves = [("volume_fraction", "volume fraction of cells, no unit")]
+    if not np.all(np.isnan(results.velocity)):
+        curves.insert(0, ("velocity", f"mean velocity along {flow}\n(velocity unit of the run)"))
+    figure = make_figure(4.2 * len(curves), 4.2)
+    panels = figure.subplots(1, len(curves), sharey=True, squeeze=False)[0]
+    for axes, (name, label) in zip(panels, curves):
+        mean = results[name].mean(axis=0)
+        if name == "velocity":
+            axes.plot(mean, results.centers, color=CURVE_COLOR, lw=1.6, marker="o", ms=3.5)
+        else:
+            axes.stairs(mean, results.edges, orientation="horizontal", color=CURVE_COLOR, lw=1.6,
+                        fill=True, alpha=0.6)
+        style_axes(axes, "")
+        axes.set_xlabel(label, color=TEXT_COLOR)
+        axes.set_xlim(left=min(0.0, np.nanmin(mean)))
+    panels[0].set_ylim(results.edges[0], results.edges[-1])
+    panels[0].set_ylabel(f"{axis} (length unit of the run)", color=TEXT_COLOR)
+    figure.suptitle(f"t = {results.times[0]:.4g} to {results.times[-1]:.4g}", fontsize=11,
+                    color=TEXT_COLOR)
     figure.tight_layout()
     figure.savefig(path)

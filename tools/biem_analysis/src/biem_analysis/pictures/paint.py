@@ -11,6 +11,7 @@ import numpy as np
 from ..polyhedron import compute_triangle_area
 
 GOLDEN = 0.618034
+HUES = ((0.945, 0.115), (0.13, 0.02), (0.55, 0.06))    # first and spread, by kind of cell
 SPOT_RADIUS = 0.22    # of a spot, in units of sqrt(cell area / pi)
 
 
@@ -31,11 +32,15 @@ class Spots(NamedTuple):
         return 1.0 - distance / self.radius[cell][:, None]
 
 
-def choose_colors(n_cells):
-    """One red per cell, array (n_cells, 3), RGB in [0, 1]; cells close in number differ well."""
+def choose_colors(types):
+    """One colour per cell, array (n_cells, 3), RGB in [0, 1]; cells close in number differ well.
+
+    types : int array (n_cells,); the lowest is red, the others have a hue each.
+    """
     colors = []
-    for cell in range(n_cells):
-        hue = (0.945 + 0.115 * ((0.13 + GOLDEN * cell) % 1.0)) % 1.0
+    for cell, kind in enumerate(np.unique(types, return_inverse=True)[1]):
+        base, spread = HUES[kind % len(HUES)]
+        hue = (base + spread * ((0.13 + GOLDEN * cell) % 1.0)) % 1.0
         saturation = 0.84 - 0.18 * ((0.37 * cell) % 1.0)
         value = 0.74 + 0.22 * ((0.7 * GOLDEN * cell + 0.4) % 1.0)
         colors.append(colorsys.hsv_to_rgb(hue, saturation, value))

@@ -83,7 +83,7 @@ class SceneRenderer:
         largest = np.bincount(mesh.triangle_cell).max()
         self._n_parts = int(np.clip(np.ceil(np.sqrt(FINE_MESH / largest)), 1, 4))
         self._paint = self._make_paint(spots)
-        self.colors = choose_colors(mesh.n_cells)
+        self.colors = choose_colors(mesh.types)
         self._points = np.concatenate([self._collect_points(frame) for frame in frames])
 
     def _load(self, frame):
