@@ -17,9 +17,6 @@ namespace {
 // Edges may grow to this multiple of the longest edge at the start of a run.
 constexpr double kEdgeGrowth = 1.6;
 
-// A closed or periodic surface has two triangles for each node.
-constexpr double kSourcesPerNode = 3.0;
-
 }    // namespace
 
 LammpsSolver::~LammpsSolver()
@@ -161,7 +158,8 @@ void LammpsSolver::choose_parameters(double max_tilt)
   });
 }
 
-// What the choice of the parameters needs to know of some of the surfaces, as sources and targets.
+// What the choice of the parameters needs to know of some of the surfaces, as sources and targets:
+// nodes and triangles, of which there are 2 n - 4 on a closed surface and 2 n on a periodic one.
 biem::EwaldScene LammpsSolver::describe_points(double max_tilt,
                                                bool (*is_in)(const biem::Surface &)) const
 {
@@ -174,9 +172,10 @@ biem::EwaldScene LammpsSolver::describe_points(double max_tilt,
     n_bodies += 1.0;
     radius += survey_.volumes[s] > 0.0 ? std::cbrt(survey_.volumes[s] / (4.0 * M_PI / 3.0))
                                        : std::sqrt(survey_.areas[s] / (4.0 * M_PI));
-    scene.n_targets += static_cast<double>(survey_.nodes[s]);
+    const double n_nodes = survey_.nodes[s];
+    scene.n_targets += n_nodes;
+    scene.n_sources += n_nodes + 2.0 * n_nodes - (scene_.surfaces[s].is_closed() ? 4.0 : 0.0);
   }
-  scene.n_sources = kSourcesPerNode * scene.n_targets;
   if (n_bodies > 0.0) {
     scene.body_sources = scene.n_sources / n_bodies;
     scene.body_radius = radius / n_bodies;

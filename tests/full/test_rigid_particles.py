@@ -155,7 +155,7 @@ class Reciprocity(unittest.TestCase):
         for nodes in MESHES[:2]:
             pushed, given = cases.compare_pushes(nodes)
             print_row(nodes, f"{np.abs(pushed - given).max():.0e}")
-            np.testing.assert_allclose(pushed, given, rtol=0.0, atol=1e-13)
+            np.testing.assert_allclose(pushed, given, rtol=0.0, atol=1e-12)
 
 
 if __name__ == "__main__":

@@ -64,10 +64,17 @@ Evaluation evaluate(double length, int n_nodes, const Mat3 &gradient)
     index_of_node[i] = static_cast<int>(i);
   const Points shift = Points::Zero(3, mesh.triangles.size());
   const std::vector<Mat3> orientations(1, Mat3::Identity());
-  const Configuration configuration{ghosts.nodes(), ghosts.n_owned(),     mesh.triangles,
-                                    surface_of_triangle, surface_of_node, index_of_node,
-                                    shift,          mesh.nodes,           candidates,
-                                    orientations,   0};
+  const Configuration configuration{ghosts.nodes(),
+                                    ghosts.n_owned(),
+                                    mesh.triangles,
+                                    surface_of_triangle,
+                                    surface_of_node,
+                                    index_of_node,
+                                    shift,
+                                    mesh.nodes,
+                                    candidates,
+                                    orientations,
+                                    0};
   Scene scene;
   scene.surfaces = {Surface{SurfaceKind::Rigid, 1.0, 0}};
   scene.shapes = {mesh};
