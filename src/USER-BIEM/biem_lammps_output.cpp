@@ -31,15 +31,11 @@ void FlowOutput::publish(const biem::Evaluation &e, LammpsSolver &solver, const 
   vector_[kExpectedError] = solver.expected_error();
   vector_[kIterations] = e.solver.iterations;
   vector_[kResidual] = e.solver.residual;
-  double squared = 0.0;
   for (int a = 0; a < 3; a++) {
     vector_[kMeanVelocity + a] = e.mean_velocity[a];
     vector_[kPressureDrop + a] = e.pressure_drop[a];
-    const double stress = e.wall_area > 0.0 ? -0.5 * e.wall_force[a] / e.wall_area : 0.0;
-    vector_[kWallStress + a] = stress;
-    squared += stress * stress;
+    vector_[kWallStress + a] = e.wall_area > 0.0 ? -0.5 * e.wall_force[a] / e.wall_area : 0.0;
   }
-  vector_[kWallShearRate] = std::sqrt(squared) / settings_.suspension.viscosity;
 }
 
 void FlowOutput::update_velocities(const biem::Evaluation &e, LammpsSolver &solver)
@@ -76,6 +72,12 @@ void FlowOutput::update_table(const biem::Evaluation &e, LammpsSolver &solver)
       forces[3 * s + a] += is_wall ? e.areas[i] * e.traction(a, i) : atom->f[i][a];
   }
   solver.exchange.sum(forces.data(), static_cast<int>(forces.size()));
+  double size = 0.0;    // walls that move against each other have forces against each other
+  for (size_t s = 0; s < surfaces.size(); s++)
+    if (surfaces[s].kind == biem::SurfaceKind::Wall)
+      size += Eigen::Map<const biem::Vec3>(&forces[3 * s]).norm();
+  if (e.wall_area > 0.0)
+    vector_[kWallShearRate] = 0.5 * size / e.wall_area / settings_.suspension.viscosity;
   for (size_t s = 0; s < surfaces.size(); s++) {
     double *row = &table_[s * kColumns];
     std::copy_n(&forces[3 * s], 3, row + kForce);

@@ -60,9 +60,9 @@ class ScriptCheck : protected Pointers {
   {
     if (atom->nangles > 0 && !force->angle)
       error->all(FLERR,
-                 "Fix biem: the triangles (angles) need an angle style: use angle_style biem/skalak "
-                 "for membranes, 'angle_style zero' where there are only rigid particles and "
-                 "walls, or 'angle_style hybrid biem/skalak zero' for both");
+                 "Fix biem: the triangles (angles) need an angle style: use 'angle_style "
+                 "biem/skalak' for membranes, 'angle_style zero' where there are only rigid "
+                 "particles and walls, or 'angle_style hybrid biem/skalak zero' for both");
     tagint off = MAXTAGINT, smallest;
     for (int i = 0; i < atom->nlocal; i++)
       for (int a = 0; a < atom->num_angle[i]; a++)

@@ -67,7 +67,8 @@ class Jeffery(unittest.TestCase):
 
     def test_slow_rotation(self):
         for nodes in MESHES + (10242,):
-            errors = [cases.compute_slow_rotation(nodes, roll) - 1.0 for roll in (0, 30, 90)]
+            rolls = (0, 30, 90) if nodes < 10000 else (0,)
+            errors = [cases.compute_slow_rotation(nodes, roll) - 1.0 for roll in rolls]
             print_row(nodes, *map(percent, errors))
             self.assertLess(np.abs(errors).max(), 0.15 if nodes == 162 else 0.008)
 
@@ -84,8 +85,9 @@ class TwoSpheres(unittest.TestCase):
             exact = np.array([row[name] for name in self.names])
             errors = []
             # At 162 nodes and gap 0.02 the meshes would overlap.
-            for nodes in MESHES if gap > 0.05 else MESHES[1:]:
-                found = cases.compute_pair_mobilities(gap, nodes)
+            meshes = MESHES if gap > 0.05 else MESHES[1:]
+            measured = cases.run_all(lambda n: cases.compute_pair_mobilities(gap, n), meshes)
+            for nodes, found in zip(meshes, measured):
                 errors.append(np.abs(found / exact - 1.0).max())
                 print_row(gap, nodes, *[f"{v:.5f} | {percent(v / e - 1.0)}"
                                         for v, e in zip(found, exact)])
@@ -134,8 +136,8 @@ class Channel(unittest.TestCase):
         for place, ratio, bound in ((0.5, 0.1, 0.004), (0.5, 0.2, 0.004), (0.5, 0.3, 0.007),
                                     (0.25, 0.2, 0.004), (0.25, 0.3, 0.004), (0.25, 0.5, 0.004)):
             width = 1.0 / (place * ratio)
-            values = [cases.compute_channel_mobility(place, width, n, width / 10)
-                      for n in MESHES]
+            values = cases.run_all(
+                lambda n: cases.compute_channel_mobility(place, width, n, width / 10), MESHES)
             errors = print_errors(f"{place}, {ratio}", values,
                                   cases.compute_faxen_mobility(place, width))
             self.assertLess(abs(errors[1]), bound)

@@ -1,5 +1,5 @@
-"""Scenes with a wall, rigid particles, cells of two viscosity ratios, tracers and probes: the number
-of ranks, interruptions and restarts do not change them; flips of a sheared box change nothing."""
+"""Scenes with a wall, rigid particles, cells of two viscosity ratios, tracers and probes: number of
+ranks, interruptions and restarts do not change them, nor do flips of a sheared box."""
 
 import unittest
 

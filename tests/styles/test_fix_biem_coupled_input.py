@@ -123,13 +123,13 @@ class Arguments(CoupledCase):
     def expect(self, *arguments_and_parts, bodies=CELL + BALL.replace("3 3 3", "0.5 3 3")):
         """arguments: all of the fix but viscosity and accuracy."""
         head = scenes.make_header() + bodies + scenes.STYLES
-        self.expect_errors(*(
-            (head + "timestep 0.01\nfix b all biem viscosity 1 accuracy 1e-3 " + case[0] + "\n" + RUN,
-             *case[1:]) for case in arguments_and_parts))
+        head += "timestep 0.01\nfix b all biem viscosity 1 accuracy 1e-3 "
+        self.expect_errors(*((head + case[0] + "\n" + RUN, *case[1:])
+                             for case in arguments_and_parts))
 
     def test_numbers(self):
         self.expect(
-            ("flow none cells cells viscosity/ratio 0 rigid balls", "viscosity/ratio 0 must be a pos"),
+            ("flow none cells cells viscosity/ratio 0 rigid balls", "viscosity/ratio 0 must be"),
             ("flow none cells cells viscosity/ratio -2 rigid balls", "viscosity/ratio -2 must be"),
             ("flow none cells cells viscosity/ratio nan rigid balls", "'nan'"),
             ("flow none cells cells rigid balls force 0 nan 0", "'nan'"),
