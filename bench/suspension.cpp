@@ -152,9 +152,10 @@ Measurement measure(MPI_Comm comm, const RedCells &cells, const EwaldScene &scen
   const double reach =
       std::max(result.parameters.cutoff + cells.longest_edge, 4.0 * cells.longest_edge);
   SuspensionShare share(comm, cells, reach);
-  Scene scene;
-  scene.surfaces.assign(cells.n_cells, Surface{SurfaceKind::Cell});
-  Suspension suspension(comm, {result.parameters, result.parameters}, SuspensionSettings(), scene);
+  Scene surfaces;
+  surfaces.surfaces.assign(cells.n_cells, Surface{SurfaceKind::Cell});
+  Suspension suspension(comm, {result.parameters, result.parameters}, SuspensionSettings(),
+                        surfaces);
   suspension.set_cell(cells.box, Vec3::Zero());
   CellVolumes volumes;
   volumes.reference.assign(cells.n_cells, 4.0 * M_PI / 3.0);

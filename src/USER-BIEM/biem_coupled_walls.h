@@ -46,7 +46,7 @@ class WallBlock {
   // Force densities that cause no flow, 3 x n_owned each: unit pressure jumps across closed sheets.
   std::vector<Points> compute_null_vectors() const;
   double area() const { return area_; }    // of all walls
-  // Relative residual of the inverse for a rough velocity, measured when it was made: what the noise
+  // Relative residual of the inverse for a rough velocity, measured when it was made: what noise
   // of the periodic sum leaves.
   double residual() const { return residual_; }
   std::string describe() const { return inverse_->describe(); }

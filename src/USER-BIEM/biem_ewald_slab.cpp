@@ -34,7 +34,7 @@ void SlabRouter::set_points(MPI_Comm comm, const std::vector<int> &owner, Points
   for (std::vector<int> &d : destinations_)
     d.clear();
   for (int i = 0; i < fractional.cols(); i++) {
-    const int first = static_cast<int>(std::floor(fractional(0, i) * n_planes - 0.5 * order)) + 1;
+    const int first = static_cast<int>(find_first_point(fractional(0, i) * n_planes, order));
     const int low = (first + n_planes) % n_planes, high = (first + order - 1) % n_planes;
     if (owner[low] == owner[high] && low <= high) {
       destinations_[owner[low]].push_back(i);

@@ -68,7 +68,7 @@ void EwaldWindow::tabulate(const std::function<double(double)> &value, int min_d
 int EwaldWindow::locate(double s, double &x) const
 {
   const double left = s - 0.5 * order_;
-  const double first = std::floor(left) + 1.0;
+  const double first = find_first_point(s, order_);
   x = 2.0 * (first - left) - 1.0;
   return static_cast<int>(first);
 }

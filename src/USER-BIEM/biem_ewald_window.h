@@ -6,6 +6,7 @@
 
 #include "biem_simd.h"
 #include <array>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -13,6 +14,14 @@
 namespace biem {
 
 constexpr int kMinWindowOrder = 3, kMaxWindowOrder = 16;
+
+// The first grid point under a window around the grid coordinate s. Points of a lattice may lie on
+// the tie between two; they stay on one side of it, whatever rounding does on different ranks.
+inline double find_first_point(double s, int order)
+{
+  constexpr double kTie = 1e-9;    // more than rounding, in grid spacings
+  return std::floor(s - 0.5 * order + kTie) + 1.0;
+}
 
 class EwaldWindow {
  public:

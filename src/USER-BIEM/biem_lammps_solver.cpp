@@ -1,6 +1,7 @@
 // Flow solver on LAMMPS' atoms: see the header.
 #include "biem_lammps_solver.h"
 #include "atom.h"
+#include "biem_lammps_overlap_check.h"
 #include "biem_lammps_report.h"
 #include "comm.h"
 #include "domain.h"
@@ -17,6 +18,9 @@ namespace {
 // Edges may grow to this multiple of the longest edge at the start of a run.
 constexpr double kEdgeGrowth = 1.6;
 
+// Flat parts of surfaces that may be within the cutoff of a node, its own included.
+constexpr double kSurfacesInReach = 4.0;
+
 }    // namespace
 
 LammpsSolver::~LammpsSolver()
@@ -28,6 +32,8 @@ void LammpsSolver::prepare(const NodeGroups &groups, double max_tilt)
 {
   survey_ = survey_meshes(lmp, groups);
   check_lengths();
+  check_overlaps(lmp, groups, survey_,
+                 volumes_.reference.empty() ? RunStart::First : RunStart::Continued);
   keep_volumes();
   groups_ = groups;
   guarded(lmp, "Fix biem", [&] { make_scene(groups); });
@@ -193,6 +199,7 @@ void LammpsSolver::set_cutoffs()
 {
   const double edge = kEdgeGrowth * survey_.longest_edge;
   list_cutoff_ = edge + kEdgeGrowth * biem::kNearFactor * survey_.longest_mean_edge;
+  set_list_size();
   double cutoff = force_parameters_.values().cutoff;
   if (has_unknowns_) cutoff = std::max(cutoff, coupled_parameters_.values().cutoff);
   const double needed = std::max(list_cutoff_, cutoff + edge) + neighbor->skin;
@@ -205,6 +212,20 @@ void LammpsSolver::set_cutoffs()
   if (comm->cutghostuser >= needed && !is_own) return;
   if (!is_own) user_comm_cutoff_ = comm->cutghostuser;
   comm->cutghostuser = own_comm_cutoff_ = needed;
+}
+
+// LAMMPS gives each atom room for a fixed number of neighbors: too few where a fine mesh is close
+// to one with long edges, which decide the cutoff.
+void LammpsSolver::set_list_size()
+{
+  double density = 0.0;    // nodes per area of the finest surface
+  for (size_t s = 0; s < survey_.areas.size(); s++)
+    if (survey_.areas[s] > 0.0) density = std::max(density, survey_.nodes[s] / survey_.areas[s]);
+  const double reach = list_cutoff_ + neighbor->skin;
+  const double n_neighbors = kSurfacesInReach * M_PI * reach * reach * density;
+  if (n_neighbors <= neighbor->oneatom) return;
+  neighbor->oneatom = static_cast<int>(n_neighbors);
+  neighbor->pgsize = std::max(neighbor->pgsize, 10 * neighbor->oneatom);
 }
 
 std::string LammpsSolver::who() const

@@ -61,6 +61,7 @@ class LammpsSolver : protected Pointers {
   void choose_parameters(double max_tilt);
   biem::EwaldScene describe_points(double max_tilt, bool (*is_in)(const biem::Surface &)) const;
   void set_cutoffs();
+  void set_list_size();
 
   FixBiemSettings settings_;
   MeshSurvey survey_;
