@@ -86,18 +86,15 @@ void SlabTransform::Plans::make(const std::array<int, 3> &m, int n_kept, int n_f
   const fftw_iodim many_x{n_fields, m[0], m[0]};
   fftw_complex *plane = to_fftw(rows.data), *column = to_fftw(columns.data);
   double *real = values.data + kMargin;
-  rows_forward[n_fields] =
-      fftw_plan_guru_dft_r2c(1, &z_real, 2, rows_real, real, plane, kPlanning);
+  rows_forward[n_fields] = fftw_plan_guru_dft_r2c(1, &z_real, 2, rows_real, real, plane, kPlanning);
   planes_forward[n_fields] =
       fftw_plan_guru_dft(1, &y, 2, many_y, plane, plane, FFTW_FORWARD, kPlanning);
   columns_forward[n_fields] =
       fftw_plan_guru_dft(1, &x, 1, &many_x, column, column, FFTW_FORWARD, kPlanning);
   bool is_planned = rows_forward[n_fields] && planes_forward[n_fields] && columns_forward[n_fields];
   if (n_fields == kBackwardFields) {
-    rows_backward =
-        fftw_plan_guru_dft_c2r(1, &z_complex, 2, rows_complex, plane, real, kPlanning);
-    planes_backward =
-        fftw_plan_guru_dft(1, &y, 2, many_y, plane, plane, FFTW_BACKWARD, kPlanning);
+    rows_backward = fftw_plan_guru_dft_c2r(1, &z_complex, 2, rows_complex, plane, real, kPlanning);
+    planes_backward = fftw_plan_guru_dft(1, &y, 2, many_y, plane, plane, FFTW_BACKWARD, kPlanning);
     columns_backward =
         fftw_plan_guru_dft(1, &x, 1, &many_x, column, column, FFTW_BACKWARD, kPlanning);
     is_planned = is_planned && rows_backward && planes_backward && columns_backward;

@@ -51,9 +51,11 @@ using NodeIndex = std::function<int(tagint)>;
 // This rank's share of the surfaces, kept between reneighborings.
 class LammpsConfiguration : protected Pointers {
  public:
-  // list_cutoff: of the full neighbor list, without skin.
-  LammpsConfiguration(LAMMPS *lmp, const NodeGroups &groups, NodeIndex index, double list_cutoff) :
-      Pointers(lmp), groups_(groups), index_(std::move(index)), list_cutoff_(list_cutoff)
+  // list_cutoff: of the full neighbor list, without skin. version: of the last configuration.
+  LammpsConfiguration(LAMMPS *lmp, const NodeGroups &groups, NodeIndex index, double list_cutoff,
+                      long version) :
+      Pointers(lmp),
+      groups_(groups), index_(std::move(index)), list_cutoff_(list_cutoff), version_(version)
   {
   }
 
@@ -62,6 +64,7 @@ class LammpsConfiguration : protected Pointers {
   // Before every evaluation: unwrapped positions. orientations: by surface.
   biem::Configuration get(std::vector<biem::Mat3> orientations);
   int find_surface(int node) const { return surface_of_node_[node]; }    // of an owned node
+  long version() const { return version_; }
 
  private:
   void add_candidates(const biem::Triangle &triangle, NeighList *list);
@@ -69,7 +72,7 @@ class LammpsConfiguration : protected Pointers {
   NodeGroups groups_;
   NodeIndex index_;
   double list_cutoff_;
-  long version_ = 0;
+  long version_;
   std::vector<biem::Triangle> triangles_;
   std::vector<int> surface_of_triangle_, surface_of_node_, index_of_node_;
   biem::Points triangle_shift_, unwrapped_;

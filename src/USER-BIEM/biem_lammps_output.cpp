@@ -14,6 +14,22 @@ double FlowOutput::table(int row, int column) const
   return k < table_.size() ? table_[k] : 0.0;
 }
 
+void FlowOutput::start(const LammpsSolver &solver)
+{
+  get_times(solver, start_times_);
+}
+
+void FlowOutput::get_times(const LammpsSolver &solver, double *times)
+{
+  const biem::OperatorProfile force = solver.force_profile(), coupled = solver.coupled_profile();
+  const biem::OperatorProfile all = force + coupled;
+  times[kReal] = all.sum.search + all.sum.real_space + all.sum.ghosts;
+  times[kNear] = all.near;
+  times[kFourier] = all.sum.fourier.total();
+  times[kCoupled] = coupled.sum.search + coupled.sum.real_space + coupled.sum.ghosts +
+                    coupled.near + coupled.sum.fourier.total();
+}
+
 void FlowOutput::publish(const biem::Evaluation &e, LammpsSolver &solver, const ShearedBox &box)
 {
   update_velocities(e, solver);
@@ -21,13 +37,12 @@ void FlowOutput::publish(const biem::Evaluation &e, LammpsSolver &solver, const 
   vector_[kVolumeError] = solver.volume_error();
   vector_[kStrain] = box.strain();
   vector_[kFlips] = box.n_flips();
-  const biem::OperatorProfile force = solver.force_profile(), coupled = solver.coupled_profile();
-  const biem::OperatorProfile all = force + coupled;
-  vector_[kRealTime] = all.sum.search + all.sum.real_space + all.sum.ghosts;
-  vector_[kNearTime] = all.near;
-  vector_[kFourierTime] = all.sum.fourier.total();
-  vector_[kCoupledTime] = coupled.sum.search + coupled.sum.real_space + coupled.sum.ghosts +
-                          coupled.near + coupled.sum.fourier.total();
+  double times[kTimes];
+  get_times(solver, times);
+  vector_[kRealTime] = times[kReal] - start_times_[kReal];
+  vector_[kNearTime] = times[kNear] - start_times_[kNear];
+  vector_[kFourierTime] = times[kFourier] - start_times_[kFourier];
+  vector_[kCoupledTime] = times[kCoupled] - start_times_[kCoupled];
   vector_[kExpectedError] = solver.expected_error();
   vector_[kIterations] = e.solver.iterations;
   vector_[kResidual] = e.solver.residual;

@@ -47,15 +47,20 @@ class FlowOutput : protected Pointers {
   double vector(int i) const { return vector_[i]; }
   double table(int row, int column) const;
 
+  // Start of a run: times count from here.
+  void start(const LammpsSolver &solver);
   // Collective.
   void publish(const biem::Evaluation &evaluation, LammpsSolver &solver, const ShearedBox &box);
 
  private:
+  enum { kReal, kNear, kFourier, kCoupled, kTimes };
+  static void get_times(const LammpsSolver &solver, double *times);
   void update_velocities(const biem::Evaluation &evaluation, LammpsSolver &solver);
   void update_table(const biem::Evaluation &evaluation, LammpsSolver &solver);
 
   FixBiemSettings settings_;
   double vector_[kVectorSize] = {};
+  double start_times_[kTimes] = {};
   std::vector<double> table_;
 };
 

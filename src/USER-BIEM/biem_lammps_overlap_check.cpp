@@ -150,7 +150,7 @@ class OverlapCheck : protected Pointers {
     std::vector<int> rank(n, -1);
     for (const biem::SurfaceTriangle &t : triangles_)
       rank[t.surface] = comm->me;
-    MPI_Allreduce(MPI_IN_PLACE, rank.data(), n, MPI_INT, MPI_MIN, world);
+    MPI_Allreduce(MPI_IN_PLACE, rank.data(), n, MPI_INT, MPI_MAX, world);
     std::vector<biem::Vec3> points(n, biem::Vec3::Zero());
     for (const biem::SurfaceTriangle &t : triangles_)
       if (rank[t.surface] == comm->me) points[t.surface] = t.corner(0);

@@ -16,7 +16,7 @@ template <class T> bool is_as_given(T given, T value)
 
 }    // namespace
 
-void LammpsParameters::choose(biem::EwaldScene scene, biem::PointsView points)
+bool LammpsParameters::choose(biem::EwaldScene scene, biem::PointsView points)
 {
   scene.tolerance = settings_.accuracy;
   scene.method = settings_.ewald;
@@ -24,11 +24,12 @@ void LammpsParameters::choose(biem::EwaldScene scene, biem::PointsView points)
   scene.splitting = settings_.splitting;
   scene.order = settings_.order;
   scene.grid = settings_.grid;
-  if (is_still_valid(scene)) return;
+  if (is_still_valid(scene)) return false;
   values_ = settings_.tuning == biem::EwaldTuning::Model ? biem::choose_ewald_parameters(scene)
                                                          : search(scene, points);
   lengths_ = scene.cell.diagonal();
   layers_ = scene.layers;
+  return true;
 }
 
 bool LammpsParameters::is_still_valid(const biem::EwaldScene &scene) const

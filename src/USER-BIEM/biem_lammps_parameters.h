@@ -16,8 +16,9 @@ class LammpsParameters : protected Pointers {
   }
 
   // scene: cell, tilt, sources, targets, bodies and layers; the rest is the user's. points: this
-  // rank's, 3 x n, for tuning by search. Collective. Throws Error if the accuracy cannot be met.
-  void choose(biem::EwaldScene scene, biem::PointsView points);
+  // rank's, 3 x n, for tuning by search. Returns whether they are new. Collective. Throws Error if
+  // the accuracy cannot be met.
+  bool choose(biem::EwaldScene scene, biem::PointsView points);
   const biem::EwaldParameters &values() const { return values_; }
 
   static constexpr int kStateSize = 18;

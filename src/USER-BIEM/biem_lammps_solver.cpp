@@ -36,14 +36,15 @@ void LammpsSolver::prepare(const NodeGroups &groups, double max_tilt)
                  volumes_.reference.empty() ? RunStart::First : RunStart::Continued);
   keep_volumes();
   groups_ = groups;
-  guarded(lmp, "Fix biem", [&] { make_scene(groups); });
-  choose_parameters(max_tilt);
+  guarded(lmp, "Fix biem", [&] { make_suspension(max_tilt); });
   set_cutoffs();
   auto find_index = [this](tagint tag) {
     const auto found = node_index_.find(tag);
     return found == node_index_.end() ? particles.find_index(tag) : found->second;
   };
-  configuration_ = std::make_unique<LammpsConfiguration>(lmp, groups, find_index, list_cutoff_);
+  const long version = configuration_ ? configuration_->version() : 0;
+  configuration_ =
+      std::make_unique<LammpsConfiguration>(lmp, groups, find_index, list_cutoff_, version);
   const double cutoffs[2] = {comm->cutghostuser, list_cutoff_};
   const std::string text =
       describe_setup(lmp, survey_, force_parameters_.values(),
@@ -81,31 +82,50 @@ void LammpsSolver::keep_volumes()
   set_timestep(update->dt);
 }
 
-// Kinds of all surfaces, shapes of the particles, all walls as one mesh.
-void LammpsSolver::make_scene(const NodeGroups &groups)
+// Keeps the suspension where nothing that it is made of has changed: inverses of walls and
+// particles take a while.
+void LammpsSolver::make_suspension(double max_tilt)
 {
-  particles.prepare(groups, survey_);
-  scene_ = biem::Scene();
-  scene_.shapes = particles.shapes();
+  particles.prepare(groups_, survey_);
+  biem::Scene scene = make_scene();
+  const bool is_same = suspension_ && scene == *scene_;
+  if (!is_same) {
+    suspension_.reset();    // refers to the scene
+    scene_ = std::make_unique<biem::Scene>(std::move(scene));
+    has_unknowns_ = scene_->has_unknowns();
+  }
+  const bool is_new = choose_parameters(max_tilt);
+  if (is_same && !is_new) return;
+  suspension_ = std::make_unique<biem::Suspension>(
+      world, biem::SumParameters{force_parameters_.values(), coupled_parameters_.values()},
+      settings_.suspension, *scene_);
+}
+
+// Kinds of all surfaces, shapes of the particles, all walls as one mesh.
+biem::Scene LammpsSolver::make_scene()
+{
+  biem::Scene scene;
+  scene.shapes = particles.shapes();
   for (int s = 0; s < survey_.n_molecules; s++) {
     biem::Surface surface;
     if (survey_.group[s] >= 0) {
-      const SurfaceGroup &group = groups.surfaces[survey_.group[s]];
+      const SurfaceGroup &group = groups_.surfaces[survey_.group[s]];
       surface = {group.kind, group.viscosity_ratio, particles.shape(s), group.velocity};
     }
-    scene_.surfaces.push_back(surface);
+    scene.surfaces.push_back(surface);
   }
   node_index_.clear();
-  if (scene_.has_contrast()) add_connectivities();
-  if (scene_.has(biem::SurfaceKind::Wall)) add_walls();
+  if (scene.has_contrast()) add_connectivities(scene);
+  if (scene.has(biem::SurfaceKind::Wall)) add_walls(scene.walls);
+  return scene;
 }
 
 // Cells with unknowns: numbers of their nodes, triangles; equal cells share the latter.
-void LammpsSolver::add_connectivities()
+void LammpsSolver::add_connectivities(biem::Scene &scene)
 {
-  auto &all = scene_.connectivities;
+  auto &all = scene.connectivities;
   for (const auto &entry : gather_surfaces(lmp, groups_, biem::SurfaceKind::Cell)) {
-    biem::Surface &surface = scene_.surfaces[entry.first - 1];
+    biem::Surface &surface = scene.surfaces[entry.first - 1];
     if (!surface.is_unknown()) continue;
     const GatheredSurface &cell = entry.second;
     for (size_t i = 0; i < cell.tags.size(); i++)
@@ -116,9 +136,8 @@ void LammpsSolver::add_connectivities()
   }
 }
 
-void LammpsSolver::add_walls()
+void LammpsSolver::add_walls(biem::WallMesh &walls)
 {
-  biem::WallMesh &walls = scene_.walls;
   walls.cell = get_cell(lmp);
   for (const auto &entry : gather_surfaces(lmp, groups_, biem::SurfaceKind::Wall)) {
     const GatheredSurface &wall = entry.second;
@@ -135,33 +154,27 @@ void LammpsSolver::add_walls()
   }
 }
 
-void LammpsSolver::choose_parameters(double max_tilt)
+// Returns whether any parameter is new.
+bool LammpsSolver::choose_parameters(double max_tilt)
 {
   const Eigen::Map<const biem::Points> points(atom->nlocal > 0 ? atom->x[0] : nullptr, 3,
                                               atom->nlocal);
-  auto is_cell = [](const biem::Surface &s) {
+  const auto is_cell = [](const biem::Surface &s) {
     return s.kind == biem::SurfaceKind::Cell;
   };
-  auto is_unknown = [](const biem::Surface &s) {
+  const auto is_unknown = [](const biem::Surface &s) {
     return s.is_unknown();
   };
-  const bool has_cells = scene_.has(biem::SurfaceKind::Cell);
-  has_unknowns_ = scene_.has_unknowns();
-  suspension_ = guarded(lmp, "Fix biem", [&] {
-    biem::EwaldScene scene = describe_points(max_tilt, has_cells ? is_cell : is_unknown);
-    scene.n_targets = static_cast<double>(atom->natoms);
-    force_parameters_.choose(scene, points);
-    biem::EwaldParameters coupled = force_parameters_.values();
-    if (has_unknowns_) {
-      scene = describe_points(max_tilt, is_unknown);
-      scene.layers = scene_.unknown_layers();
-      coupled_parameters_.choose(scene, points);
-      coupled = coupled_parameters_.values();
-    }
-    return std::make_unique<biem::Suspension>(
-        world, biem::SumParameters{force_parameters_.values(), coupled}, settings_.suspension,
-        scene_);
-  });
+  const bool has_cells = scene_->has(biem::SurfaceKind::Cell);
+  biem::EwaldScene scene = describe_points(max_tilt, has_cells ? is_cell : is_unknown);
+  scene.n_targets = static_cast<double>(atom->natoms);
+  bool is_new = force_parameters_.choose(scene, points);
+  if (has_unknowns_) {
+    scene = describe_points(max_tilt, is_unknown);
+    scene.layers = scene_->unknown_layers();
+    is_new = coupled_parameters_.choose(scene, points) || is_new;
+  }
+  return is_new;
 }
 
 // What the choice of the parameters needs to know of some of the surfaces, as sources and targets:
@@ -173,14 +186,14 @@ biem::EwaldScene LammpsSolver::describe_points(double max_tilt,
   scene.cell = get_cell(lmp);
   scene.max_tilt = max_tilt;
   double n_bodies = 0.0, radius = 0.0;
-  for (size_t s = 0; s < scene_.surfaces.size(); s++) {
-    if (!is_in(scene_.surfaces[s])) continue;
+  for (size_t s = 0; s < scene_->surfaces.size(); s++) {
+    if (!is_in(scene_->surfaces[s])) continue;
     n_bodies += 1.0;
     radius += survey_.volumes[s] > 0.0 ? std::cbrt(survey_.volumes[s] / (4.0 * M_PI / 3.0))
                                        : std::sqrt(survey_.areas[s] / (4.0 * M_PI));
     const double n_nodes = survey_.nodes[s];
     scene.n_targets += n_nodes;
-    scene.n_sources += n_nodes + 2.0 * n_nodes - (scene_.surfaces[s].is_closed() ? 4.0 : 0.0);
+    scene.n_sources += n_nodes + 2.0 * n_nodes - (scene_->surfaces[s].is_closed() ? 4.0 : 0.0);
   }
   if (n_bodies > 0.0) {
     scene.body_sources = scene.n_sources / n_bodies;
@@ -256,7 +269,7 @@ double LammpsSolver::volume_error() const
 {
   double largest = 0.0;
   for (size_t c = 0; c < volumes_.reference.size(); c++)
-    if (scene_.surfaces[c].kind == biem::SurfaceKind::Cell)
+    if (scene_->surfaces[c].kind == biem::SurfaceKind::Cell)
       largest = std::max(largest, std::fabs(volumes_.current[c] / volumes_.reference[c] - 1.0));
   return largest;
 }

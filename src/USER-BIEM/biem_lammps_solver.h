@@ -33,7 +33,7 @@ class LammpsSolver : protected Pointers {
   double longest_edge() const { return survey_.longest_edge; }    // at the start of the run
   double volume_error() const;    // largest relative error over the cells
   bool has_unknowns() const { return has_unknowns_; }
-  const biem::Scene &scene() const { return scene_; }
+  const biem::Scene &scene() const { return *scene_; }
   // Number of the surface of an owned atom, or -1; what its group has in common, or null.
   int find_surface(int node) const { return configuration_->find_surface(node); }
   const SurfaceGroup *group_of(int surface) const
@@ -55,10 +55,11 @@ class LammpsSolver : protected Pointers {
   std::string who() const;    // start of an error message
   void check_lengths() const;
   void keep_volumes();
-  void make_scene(const NodeGroups &groups);
-  void add_connectivities();
-  void add_walls();
-  void choose_parameters(double max_tilt);
+  void make_suspension(double max_tilt);
+  biem::Scene make_scene();
+  void add_connectivities(biem::Scene &scene);
+  void add_walls(biem::WallMesh &walls);
+  bool choose_parameters(double max_tilt);
   biem::EwaldScene describe_points(double max_tilt, bool (*is_in)(const biem::Surface &)) const;
   void set_cutoffs();
   void set_list_size();
@@ -66,7 +67,7 @@ class LammpsSolver : protected Pointers {
   FixBiemSettings settings_;
   MeshSurvey survey_;
   NodeGroups groups_;
-  biem::Scene scene_;
+  std::unique_ptr<biem::Scene> scene_;
   bool has_unknowns_ = false;
   // By tag: number within all walls, or within a cell that has unknowns.
   std::unordered_map<tagint, int> node_index_;

@@ -32,6 +32,39 @@ Layers Scene::unknown_layers() const
   return has_double ? Layers::Both : Layers::Single;
 }
 
+namespace {
+
+bool is_equal(const Points &a, const Points &b)
+{
+  return a.cols() == b.cols() && a == b;
+}
+
+bool is_equal(const Surface &a, const Surface &b)
+{
+  return a.kind == b.kind && a.viscosity_ratio == b.viscosity_ratio && a.shape == b.shape &&
+         a.velocity == b.velocity;
+}
+
+bool is_equal(const SurfaceMesh &a, const SurfaceMesh &b)
+{
+  return is_equal(a.nodes, b.nodes) && a.triangles == b.triangles;
+}
+
+}    // namespace
+
+bool operator==(const Scene &a, const Scene &b)
+{
+  const auto equal = [](const auto &x, const auto &y) {
+    return is_equal(x, y);
+  };
+  return std::equal(a.surfaces.begin(), a.surfaces.end(), b.surfaces.begin(), b.surfaces.end(),
+                    equal) &&
+         std::equal(a.shapes.begin(), a.shapes.end(), b.shapes.begin(), b.shapes.end(), equal) &&
+         a.connectivities == b.connectivities && is_equal(a.walls.nodes, b.walls.nodes) &&
+         a.walls.triangles == b.walls.triangles &&
+         (a.walls.nodes.cols() == 0 || a.walls.cell == b.walls.cell);
+}
+
 std::string describe_blocks(const BlockSizes &n)
 {
   std::string text;

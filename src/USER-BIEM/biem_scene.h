@@ -48,6 +48,9 @@ struct Scene {
   Layers unknown_layers() const;
 };
 
+// The same surfaces, shapes and walls, to the last digit.
+bool operator==(const Scene &a, const Scene &b);
+
 // Nodes of each block, for reports.
 struct BlockSizes {
   long n_free = 0;        // cells of viscosity ratio 1

@@ -137,6 +137,7 @@ void FixBiem::init()
   groups.probes_bit = bit(s.probes);
   groups.fix_bit = groupbit;
   impl->solver.prepare(groups, impl->box.is_sheared() ? 0.5 * domain->xprd : domain->xz);
+  impl->output.start(impl->solver);
   size_array_rows = static_cast<int>(impl->solver.scene().surfaces.size());
   impl->box.start();
   BiemCompat::request_full_list(neighbor, this, instance_me, impl->solver.list_cutoff());

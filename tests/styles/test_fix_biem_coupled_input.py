@@ -92,6 +92,18 @@ class Overlaps(CoupledCase):
         # without unknowns nothing is wrong: a cell with a nucleus
         self.run_script(self.script(CELL + seed, self.SURFACES, into.format("more")))
 
+    def test_surfaces_of_different_ranks(self):
+        """A particle that one rank has, a large cell about the place where others see nothing."""
+        small = scenes.make_particle((0.5, 3, 3), more="radius 0.3")
+        apart = shift("all", x=-3, y=-3, z=-3)    # the cell about the origin
+        inside = shift("balls", x=2.6, y=0.2)
+        for n_ranks in (2, 4):
+            self.run_script(self.script(CELL + small, "cells cells rigid balls", apart),
+                            n_ranks=n_ranks)
+            self.expect_error(self.script(CELL + small, "cells cells rigid balls",
+                                          inside + apart),
+                              "rigid particle 2 lies inside cell 1", n_ranks=n_ranks)
+
     def test_own_image(self):
         stretched = "displace_atoms cells ramp x -2.2 2.2 x 2 4 units box\n"
         self.expect_error(self.script(CELL, "cells cells", stretched),
