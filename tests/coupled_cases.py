@@ -2,13 +2,9 @@
 Builds on flow_cases.py; knows nothing of what is tested."""
 
 import flow_cases as flow
+from lammps_scripts import HEADER
 
-HEADER = """units lj
-newton on
-atom_style molecular
-atom_modify map yes
-boundary p p p
-neighbor {skin!r} bin
+START = HEADER + """neighbor {skin!r} bin
 region box prism 0 {box[0]!r} 0 {box[1]!r} 0 {box[2]!r} 0 {tilt!r} 0
 create_box 3 box angle/types 2 dihedral/types 1 extra/angle/per/atom 6 extra/dihedral/per/atom 6
 mass * 1.0
@@ -25,7 +21,7 @@ dihedral_coeff * 0.01 sphere
 
 
 def make_header(box=(6.0, 6.0, 6.0), tilt=0.0, skin=0.2):
-    return HEADER.format(box=box, tilt=tilt, skin=skin)
+    return START.format(box=box, tilt=tilt, skin=skin)
 
 
 def make_body(shape, center, group, nodes=42, angle_type=1, more=""):

@@ -7,11 +7,10 @@
 #include "biem_element_flat.h"
 #include "biem_mesh_shape.h"
 #include "biem_mesh_wall.h"
-#include "biem_periodic_ghosts.h"
 #include "biem_suspension.h"
+#include "distributed_mesh.h"
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace biem {
 
@@ -111,12 +110,7 @@ struct CoupledScene {
   }
 
   // Every node for itself inside the cell.
-  Points wrapped() const
-  {
-    Points s = cell.inverse() * nodes;
-    s.array() -= s.array().floor();
-    return cell * s;
-  }
+  Points wrapped() const { return wrap_points(nodes, cell); }
 
   // Does not depend on what is in the cell.
   EwaldParameters choose(double tolerance) const
@@ -160,35 +154,22 @@ struct CoupledScene {
 // For the test scenes, whose edges are shorter than 1.
 constexpr double kLongestEdge = 1.0;
 
-// The corners of triangle t next to its second one, which is node middle; copies: by number, the
-// columns of nodes that are the node or an image of it.
-inline Triangle find_corners(const Triangle &t, int middle, const std::multimap<int, int> &copies,
-                             PointsView nodes)
-{
-  Triangle corners{middle, middle, middle};
-  for (int v : {0, 2}) {
-    double least = INFINITY;
-    for (auto [i, end] = copies.equal_range(t[v]); i != end; ++i) {
-      const double distance = (nodes.col(i->second) - nodes.col(middle)).norm();
-      if (distance >= least) continue;
-      least = distance;
-      corners[v] = i->second;
-    }
-  }
-  return corners;
-}
-
 class DistributedSuspension {
  public:
   DistributedSuspension(MPI_Comm comm, const CoupledScene &scene, double tolerance,
                         const SuspensionSettings &settings) :
       scene_(scene),
-      owned_(list_owned(comm)), parameters_(scene.choose(tolerance)),
+      owned_(list_owned(comm, scene.nodes, scene.cell)), parameters_(scene.choose(tolerance)),
       ghosts_(comm, scene.wrapped()(Eigen::all, owned_), scene.cell,
               parameters_.cutoff + 2.0 * kLongestEdge),
       suspension_(comm, {parameters_, parameters_}, settings, scene.scene)
   {
-    list_triangles();
+    const LocalTriangles local =
+        list_local_triangles(owned_, ghosts_, scene.nodes, scene.triangles);
+    triangles_ = local.triangles;
+    shift_ = local.shift;
+    for (int e : local.numbers)
+      surface_of_triangle_.push_back(scene.surface_of_triangle[e]);
     FlatElements elements;
     elements.set_geometry(ghosts_.nodes(), triangles_);
     candidates_ = find_near_candidates(elements, ghosts_.nodes());
@@ -226,51 +207,10 @@ class DistributedSuspension {
   Points distribute(const Points &values) const { return values(Eigen::all, owned_); }
   Points gather(const Points &part)
   {
-    Points values = Points::Zero(3, scene_.nodes.cols());
-    for (size_t i = 0; i < owned_.size(); i++)
-      values.col(owned_[i]) = part.col(i);
-    ghosts_.sum(values.data(), static_cast<int>(values.size()));
-    return values;
+    return gather_nodes(part, owned_, scene_.nodes.cols(), ghosts_);
   }
 
  private:
-  std::vector<int> list_owned(MPI_Comm comm) const
-  {
-    int rank, n_ranks;
-    MPI_Comm_rank(comm, &rank);
-    MPI_Comm_size(comm, &n_ranks);
-    const std::vector<int> ranks = assign_to_ranks(scene_.nodes, scene_.cell, n_ranks);
-    std::vector<int> owned;
-    for (size_t i = 0; i < ranks.size(); i++)
-      if (ranks[i] == rank) owned.push_back(static_cast<int>(i));
-    return owned;
-  }
-
-  // A triangle is on the rank that owns its second node.
-  void list_triangles()
-  {
-    const Points &nodes = ghosts_.nodes();
-    std::vector<double> ids(nodes.cols());
-    std::copy(owned_.begin(), owned_.end(), ids.begin());
-    ghosts_.forward(ids.data(), 1);
-    std::multimap<int, int> copies;
-    for (size_t i = 0; i < ids.size(); i++)
-      copies.emplace(static_cast<int>(ids[i]), static_cast<int>(i));
-    std::vector<Vec3> shifts;
-    for (size_t e = 0; e < scene_.triangles.size(); e++) {
-      const Triangle &t = scene_.triangles[e];
-      const auto found = std::lower_bound(owned_.begin(), owned_.end(), t[1]);
-      if (found == owned_.end() || *found != t[1]) continue;
-      const auto middle = static_cast<int>(found - owned_.begin());
-      triangles_.push_back(find_corners(t, middle, copies, nodes));
-      surface_of_triangle_.push_back(scene_.surface_of_triangle[e]);
-      shifts.push_back(scene_.nodes.col(t[1]) - nodes.col(middle));
-    }
-    shift_.resize(3, static_cast<Eigen::Index>(shifts.size()));
-    for (size_t e = 0; e < shifts.size(); e++)
-      shift_.col(e) = shifts[e];
-  }
-
   const CoupledScene scene_;
   std::vector<int> owned_;
   EwaldParameters parameters_;

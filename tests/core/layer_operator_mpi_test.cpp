@@ -10,7 +10,7 @@ using namespace biem;
 namespace {
 
 // The principal value in free space of the double layer of a uniform density over the facets.
-Points integrate_uniform(const Scene &scene, const Vec3 &value)
+Points integrate_uniform(const LayerScene &scene, const Vec3 &value)
 {
   Points u = Points::Zero(3, scene.nodes.cols());
   const Mat3 q = value.replicate(1, 3);
@@ -39,7 +39,7 @@ bool is_first_rank()
 
 TEST(UniformDoubleLayer, IsEightPiInsideAndZeroOutsideOfWrappedSurfaces)
 {
-  const Scene scene = make_two_spheres(642);
+  const LayerScene scene = make_two_spheres(642);
   const Vec3 value(0.3, -1.0, 0.7);
   const Points w = Distributed(MPI_COMM_WORLD, scene, 1e-6)
                        .apply(Layers::Double, kNone, make_uniform(scene, value));
@@ -54,7 +54,7 @@ TEST(UniformDoubleLayer, IsEightPiInsideAndZeroOutsideOfWrappedSurfaces)
 TEST(UniformDoubleLayer, OfWrappedSurfacesAtNodesIsThatOfTheFacetsInFreeSpace)
 {
   // Periodic images and the k = 0 term cancel for a uniform density; what the corners do remains.
-  const Scene scene = make_two_spheres(162);
+  const LayerScene scene = make_two_spheres(162);
   const Vec3 value(0.3, -1.0, 0.7);
   const Points w = Distributed(MPI_COMM_WORLD, scene, 1e-6)
                        .apply(Layers::Double, kNone, make_uniform(scene, value));
@@ -72,7 +72,7 @@ TEST(UniformDoubleLayer, OfWrappedSurfacesAtNodesIsThatOfTheFacetsInFreeSpace)
 
 TEST(SubtractedDoubleLayer, OfAUniformDensityIsZeroAtNodesAndRawElsewhere)
 {
-  const Scene scene = make_two_spheres(162);
+  const LayerScene scene = make_two_spheres(162);
   Distributed layers(MPI_COMM_WORLD, scene, 1e-4);
   const Points density = make_uniform(scene, Vec3(0.3, -1.0, 0.7));
   const Points raw = layers.apply(Layers::Double, kNone, density);
@@ -90,7 +90,7 @@ TEST(SubtractedDoubleLayer, OfAStrainingDensityConvergesToItsEigenvalueInSecondO
   strain << 0.4, 0.5, -0.3, 0.5, 0.3, 0.8, -0.3, 0.8, -0.7;
   double previous = 0.0;
   for (int n_nodes : {162, 642}) {
-    Scene scene;
+    LayerScene scene;
     scene.cell = 24.0 * Mat3::Identity();
     scene.add_sphere(n_nodes, Vec3(0.2, 23.9, 0.1));
     const Points normals = scene.nodes.colwise() - Vec3(0.2, 23.9, 0.1);
@@ -114,7 +114,7 @@ TEST(SubtractedDoubleLayer, MayBeSubtractedWithTheRowSumsOfEachSurfaceInFreeSpac
 {
   // Images add nothing to a uniform density, and the other surface, which nearly touches, only
   // its quadrature error. Without rigid motions, as the operator is used.
-  const Scene scene = make_two_spheres(162);
+  const LayerScene scene = make_two_spheres(162);
   Points q = make_smooth(scene, -0.8);
   RowSums free;
   for (int s = 0; s < 2; s++) {
@@ -135,7 +135,7 @@ TEST(SubtractedDoubleLayer, MayBeSubtractedWithTheRowSumsOfEachSurfaceInFreeSpac
 
 TEST(LayerOperator, BothLayersAtOnceAreTheSumOfTwoCalls)
 {
-  const Scene scene = make_two_spheres(162);
+  const LayerScene scene = make_two_spheres(162);
   const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
   Distributed layers(MPI_COMM_WORLD, scene, 1e-4);
   const Points both = layers.apply(Layers::Both, f, q);
@@ -151,7 +151,7 @@ TEST(LayerOperator, BothLayersAtOnceAreTheSumOfTwoCalls)
 
 TEST(LayerOperator, DoesNotDependOnTheNumberOfRanks)
 {
-  const Scene scene = make_two_spheres(162);
+  const LayerScene scene = make_two_spheres(162);
   const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
   Distributed together(MPI_COMM_WORLD, scene, 1e-4), alone(MPI_COMM_SELF, scene, 1e-4);
   const Points a = together.apply(Layers::Both, f, q), b = alone.apply(Layers::Both, f, q);
@@ -163,7 +163,7 @@ TEST(LayerOperator, DoesNotDependOnTheNumberOfRanks)
 TEST(LayerOperator, DoesNotDependOnTheImageInWhichASurfaceIsInOnePiece)
 {
   // The density has no net flux through a surface, as in an incompressible fluid.
-  Scene scene = make_two_spheres(162);
+  LayerScene scene = make_two_spheres(162);
   const Points q = make_uniform(scene, Vec3(0.3, -1.0, 0.7));
   const Points before = Distributed(MPI_COMM_WORLD, scene, 1e-4).apply(Layers::Double, kNone, q);
   scene.nodes.leftCols(162).colwise() += scene.cell * Vec3(2, -1, 3);
@@ -173,7 +173,7 @@ TEST(LayerOperator, DoesNotDependOnTheImageInWhichASurfaceIsInOnePiece)
 
 TEST(LayerOperator, RefusesALayerThatItsGeometryWasNotSetFor)
 {
-  const Scene scene = make_two_spheres(42);
+  const LayerScene scene = make_two_spheres(42);
   const Points q = make_smooth(scene, 0.1);
   Distributed single(MPI_COMM_WORLD, scene, 1e-2, Layers::Single);
   EXPECT_THROW(single.apply(Layers::Double, kNone, q), Error);

@@ -9,7 +9,7 @@ using namespace biem;
 namespace {
 
 // Some nodes of every surface and one of the points: on no rank all, on some ranks maybe none.
-std::vector<char> make_targets(const Scene &scene)
+std::vector<char> make_targets(const LayerScene &scene)
 {
   std::vector<char> targets(scene.nodes.cols());
   for (size_t i = 0; i < targets.size(); i++)
@@ -32,7 +32,7 @@ constexpr Layers kAllLayers[] = {Layers::Single, Layers::Double, Layers::Both};
 
 TEST(RestrictedLayerOperator, HasTheNumbersOfTheWholeAtItsTargetsAndZeroElsewhere)
 {
-  const Scene scene = make_three_spheres(162);
+  const LayerScene scene = make_three_spheres(162);
   const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
   const std::vector<char> targets = make_targets(scene);
   Distributed whole(MPI_COMM_WORLD, scene, 1e-4);
@@ -46,7 +46,7 @@ TEST(RestrictedLayerOperator, HasTheNumbersOfTheWholeAtItsTargetsAndZeroElsewher
 
 TEST(RestrictedLayerOperator, WithoutSomeSourcesIsTheWholeOfADensityThatIsZeroThere)
 {
-  const Scene scene = make_three_spheres(162);
+  const LayerScene scene = make_three_spheres(162);
   const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
   Points f_kept = f, q_kept = q;
   f_kept.middleCols(162, 162).setZero();
@@ -64,7 +64,7 @@ TEST(RestrictedLayerOperator, WithoutSomeSourcesIsTheWholeOfADensityThatIsZeroTh
 
 TEST(RestrictedLayerOperator, OfSurfacesWithDifferentLayersIsTheSumOfOneOperatorForEachLayer)
 {
-  const Scene scene = make_three_spheres(162);
+  const LayerScene scene = make_three_spheres(162);
   const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
   const Points single =
       Distributed(MPI_COMM_WORLD, scene, 1e-4, Layers::Single, {{0, 2}, {}})
@@ -83,7 +83,7 @@ TEST(RestrictedLayerOperator, OfSurfacesWithDifferentLayersIsTheSumOfOneOperator
 
 TEST(RestrictedLayerOperator, KnowsTheLayersOfANodeWhoseElementsAreAllOnAnotherRank)
 {
-  const Scene scene = make_two_spheres(162);    // the second one's top lies in the next cell
+  const LayerScene scene = make_two_spheres(162);    // the second one's top lies in the next cell
   const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
   const Points single = Distributed(MPI_COMM_WORLD, scene, 1e-4, Layers::Single, {{1}, {}})
                             .apply(Layers::Single, f, kNone);
@@ -98,7 +98,7 @@ TEST(RestrictedLayerOperator, KnowsTheLayersOfANodeWhoseElementsAreAllOnAnotherR
 
 TEST(RestrictedLayerOperator, PaysOnlyForTheLayersThatAreCarriedAndForItsTargets)
 {
-  const Scene scene = make_three_spheres(42);
+  const LayerScene scene = make_three_spheres(42);
   const Points f = make_smooth(scene, 0.3), q = make_smooth(scene, -0.8);
   auto count = [&](Layers layers, const Selection &selection) {
     Distributed part(MPI_COMM_SELF, scene, 1e-2, Layers::Both, selection);
@@ -122,7 +122,7 @@ TEST(RestrictedLayerOperator, PaysOnlyForTheLayersThatAreCarriedAndForItsTargets
 
 TEST(RestrictedLayerOperator, MayHaveNoSourcesOrNoTargets)
 {
-  const Scene scene = make_three_spheres(42);
+  const LayerScene scene = make_three_spheres(42);
   const Points f = make_smooth(scene, 0.3);
   Distributed no_sources(MPI_COMM_WORLD, scene, 1e-2, Layers::Both, {{7}, {}});
   EXPECT_EQ(compute_largest(no_sources.apply(Layers::Both, f, f)), 0.0);
@@ -134,7 +134,7 @@ TEST(RestrictedLayerOperator, MayHaveNoSourcesOrNoTargets)
 TEST(RestrictedLayerOperator, RefusesMarksAndLayersThatDoNotFit)
 {
   const SurfaceMesh mesh = make_icosphere(2);
-  Scene scene;
+  LayerScene scene;
   scene.cell = 5.0 * Mat3::Identity();
   scene.add_sphere(42, Vec3::Zero());
   const EwaldParameters p = scene.choose(1e-2);

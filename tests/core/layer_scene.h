@@ -6,17 +6,16 @@
 #include "biem_element_flat.h"
 #include "biem_mesh_icosphere.h"
 #include "biem_operator_layers.h"
-#include "biem_periodic_ghosts.h"
+#include "distributed_mesh.h"
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace biem {
 
 const Points kNone(3, 0);
 
 // Surfaces of equally many nodes, in one piece, then points on no surface.
-struct Scene {
+struct LayerScene {
   Mat3 cell;
   Points nodes;
   std::vector<Triangle> triangles;
@@ -50,12 +49,7 @@ struct Scene {
   }
 
   // Every node for itself inside the cell.
-  Points wrapped() const
-  {
-    Points s = cell.inverse() * nodes;
-    s.array() -= s.array().floor();
-    return cell * s;
-  }
+  Points wrapped() const { return wrap_points(nodes, cell); }
 
   EwaldParameters choose(double tolerance) const
   {
@@ -73,9 +67,9 @@ struct Scene {
 
 // Two spheres in a tilted cell: the first one with its centre at a corner of the cell, the second
 // one with a single node above the top. And points inside of each, outside, and close to the first.
-inline Scene make_two_spheres(int n_nodes)
+inline LayerScene make_two_spheres(int n_nodes)
 {
-  Scene scene;
+  LayerScene scene;
   scene.cell << 4.0, 0.3, 1.1, 0.0, 4.4, -0.5, 0.0, 0.0, 4.2;
   const double above_top = 0.005;
   Vec3 second(3.2, 1.7, 4.2 + above_top);
@@ -92,9 +86,9 @@ inline Scene make_two_spheres(int n_nodes)
 constexpr double kInside[6] = {1, 1, 1, 0, 0, 0};    // points of make_two_spheres
 
 // Three spheres, the last one close to both others, and a point inside of each.
-inline Scene make_three_spheres(int n_nodes)
+inline LayerScene make_three_spheres(int n_nodes)
 {
-  Scene scene;
+  LayerScene scene;
   scene.cell << 5.0, 0.3, 1.1, 0.0, 4.8, -0.5, 0.0, 0.0, 4.4;
   Points centers(3, 3);
   centers << Vec3(0.1, 0.0, 4.3), Vec3(2.6, 2.3, 4.4), Vec3(0.3, 2.06, 4.5);
@@ -114,13 +108,19 @@ struct Selection {
 // The operator on one rank's part of a scene; densities and results are those of all nodes.
 class Distributed {
  public:
-  Distributed(MPI_Comm comm, const Scene &scene, double tolerance, Layers layers = Layers::Both,
-              const Selection &selection = {}) :
-      scene_(scene), owned_(list_owned(comm, scene)), parameters_(scene.choose(tolerance)),
+  Distributed(MPI_Comm comm, const LayerScene &scene, double tolerance,
+              Layers layers = Layers::Both, const Selection &selection = {}) :
+      scene_(scene), owned_(list_owned(comm, scene.nodes, scene.cell)),
+      parameters_(scene.choose(tolerance)),
       ghosts_(comm, scene.wrapped()(Eigen::all, owned_), scene.cell, parameters_.cutoff + 1.0),
       operator_(comm, parameters_)
   {
-    list_triangles();
+    const LocalTriangles local =
+        list_local_triangles(owned_, ghosts_, scene.nodes, scene.triangles);
+    triangles_ = local.triangles;
+    shift_ = local.shift;
+    for (int e : local.numbers)
+      surfaces_.push_back(scene.triangles[e][1] / scene.nodes_per_surface);
     select(selection);
     elements_.set_geometry(ghosts_.nodes(), triangles_);
     Eigen::VectorXd areas = Eigen::VectorXd::Zero(ghosts_.nodes().cols());
@@ -160,54 +160,6 @@ class Distributed {
   }
 
  private:
-  static std::vector<int> list_owned(MPI_Comm comm, const Scene &scene)
-  {
-    int rank, n_ranks;
-    MPI_Comm_rank(comm, &rank);
-    MPI_Comm_size(comm, &n_ranks);
-    const std::vector<int> ranks = assign_to_ranks(scene.nodes, scene.cell, n_ranks);
-    std::vector<int> owned;
-    for (size_t i = 0; i < ranks.size(); i++)
-      if (ranks[i] == rank) owned.push_back(static_cast<int>(i));
-    return owned;
-  }
-
-  // A triangle is on the rank that owns its second node; its corners are the closest images.
-  void list_triangles()
-  {
-    const Points &nodes = ghosts_.nodes();
-    std::vector<double> ids(nodes.cols());
-    std::copy(owned_.begin(), owned_.end(), ids.begin());
-    ghosts_.forward(ids.data(), 1);
-    std::multimap<int, int> copies;
-    std::map<int, int> local;
-    for (size_t i = 0; i < ids.size(); i++)
-      copies.emplace(static_cast<int>(ids[i]), static_cast<int>(i));
-    for (size_t i = 0; i < owned_.size(); i++)
-      local[owned_[i]] = static_cast<int>(i);
-    std::vector<Vec3> shifts;
-    for (const Triangle &t : scene_.triangles) {
-      if (!local.count(t[1])) continue;
-      surfaces_.push_back(t[1] / scene_.nodes_per_surface);
-      const int middle = local[t[1]];
-      Triangle corners{middle, middle, middle};
-      for (int v : {0, 2}) {
-        double least = 1e300;
-        for (auto [i, end] = copies.equal_range(t[v]); i != end; ++i) {
-          const double distance = (nodes.col(i->second) - nodes.col(middle)).norm();
-          if (distance >= least) continue;
-          least = distance;
-          corners[v] = i->second;
-        }
-      }
-      triangles_.push_back(corners);
-      shifts.push_back(scene_.nodes.col(t[1]) - nodes.col(middle));
-    }
-    shift_.resize(3, shifts.size());
-    for (size_t e = 0; e < shifts.size(); e++)
-      shift_.col(e) = shifts[e];
-  }
-
   void select(const Selection &selection)
   {
     Eigen::VectorXd marks = Eigen::VectorXd::Zero(ghosts_.nodes().cols());
@@ -245,14 +197,10 @@ class Distributed {
 
   Points gather(const Points &part)
   {
-    Points values = Points::Zero(3, scene_.nodes.cols());
-    for (size_t i = 0; i < owned_.size(); i++)
-      values.col(owned_[i]) = part.col(i);
-    ghosts_.sum(values.data(), static_cast<int>(values.size()));
-    return values;
+    return gather_nodes(part, owned_, scene_.nodes.cols(), ghosts_);
   }
 
-  const Scene &scene_;
+  const LayerScene &scene_;
   std::vector<int> owned_;
   EwaldParameters parameters_;
   PeriodicGhosts ghosts_;
@@ -266,14 +214,14 @@ class Distributed {
   std::vector<Layers> carried_;
 };
 
-inline Points make_uniform(const Scene &scene, const Vec3 &value)
+inline Points make_uniform(const LayerScene &scene, const Vec3 &value)
 {
   Points density = Points::Zero(3, scene.nodes.cols());
   density.leftCols(scene.n_surface_nodes).colwise() = value;
   return density;
 }
 
-inline Points make_smooth(const Scene &scene, double phase)
+inline Points make_smooth(const LayerScene &scene, double phase)
 {
   Points density = Points::Zero(3, scene.nodes.cols());
   for (int i = 0; i < scene.n_surface_nodes; i++) {

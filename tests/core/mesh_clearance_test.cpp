@@ -1,17 +1,16 @@
 // Walls among bodies: what is a closed body, what is in the way of a new surface, and packings
 // beside walls, which have two sides.
-#include "biem_error.h"
 #include "biem_mesh_clearance.h"
 #include "biem_mesh_lattice.h"
 #include "biem_mesh_obstacles.h"
 #include "biem_mesh_topology.h"
 #include "biem_mesh_wall.h"
+#include "error_messages.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 
 namespace biem {
@@ -29,21 +28,6 @@ SurfaceMesh make_ball(const Vec3 &center, double radius)
 }
 
 PackingObstacles to_obstacles(const SurfaceMesh &mesh) { return {mesh.nodes, mesh.triangles}; }
-
-std::string message_of(const std::function<void()> &function)
-{
-  try {
-    function();
-  } catch (const Error &error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool contains(const std::string &text, const std::string &part)
-{
-  return text.find(part) != std::string::npos;
-}
 
 std::string wall_message(const SurfaceMesh &wall, const PackingObstacles &existing)
 {

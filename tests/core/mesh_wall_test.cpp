@@ -1,14 +1,13 @@
 // Wall meshes: areas and closure known exactly, invariance under lattice steps, normals, and the
 // messages for walls that do not fit the box.
-#include "biem_error.h"
 #include "biem_mesh_lattice.h"
 #include "biem_mesh_wall.h"
+#include "error_messages.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -19,21 +18,6 @@ namespace {
 const double pi = 3.14159265358979323846;
 
 WallBox make_box() { return {Vec3(8.0, 6.0, 5.0).asDiagonal(), Vec3(-3.0, -2.0, 1.0)}; }
-
-std::string message_of(const std::function<void()> &function)
-{
-  try {
-    function();
-  } catch (const Error &error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool contains(const std::string &text, const std::string &part)
-{
-  return text.find(part) != std::string::npos;
-}
 
 // Area vectors of the triangles with their centers.
 struct Facet {

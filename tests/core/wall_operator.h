@@ -7,10 +7,9 @@
 #include "biem_mesh_sheets.h"
 #include "biem_mesh_wall.h"
 #include "biem_operator_layers.h"
-#include "biem_periodic_ghosts.h"
+#include "distributed_mesh.h"
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 using namespace biem;
 
@@ -64,12 +63,12 @@ inline WallMesh make_tube(double length, double radius, double edge)
 class WallOperator {
  public:
   WallOperator(MPI_Comm comm, const WallMesh &mesh, double tolerance) :
-      mesh_(mesh), owned_(list_owned(comm)), parameters_(choose(tolerance)),
-      ghosts_(comm, wrap(mesh.nodes)(Eigen::all, owned_), mesh.cell,
+      mesh_(mesh), owned_(list_owned(comm, mesh.nodes, mesh.cell)), parameters_(choose(tolerance)),
+      ghosts_(comm, wrap_points(mesh.nodes, mesh.cell)(Eigen::all, owned_), mesh.cell,
               parameters_.cutoff + find_longest_edge()),
       operator_(comm, parameters_)
   {
-    list_triangles();
+    triangles_ = list_local_triangles(owned_, ghosts_, mesh.nodes, mesh.triangles).triangles;
     elements_.set_geometry(ghosts_.nodes(), triangles_);
     candidates_ = find_near_candidates(elements_, ghosts_.nodes());
     Eigen::VectorXd areas = Eigen::VectorXd::Zero(ghosts_.nodes().cols());
@@ -90,35 +89,12 @@ class WallOperator {
       part.col(i) = density.col(owned_[i]);
     ghosts_.forward(part.data(), 3);
     const Points velocities = operator_.apply(Layers::Single, part, Points(3, 0), ghosts_);
-    Points all = Points::Zero(3, mesh_.nodes.cols());
-    for (size_t i = 0; i < owned_.size(); i++)
-      all.col(owned_[i]) = velocities.col(i);
-    ghosts_.sum(all.data(), static_cast<int>(all.size()));
-    return all;
+    return gather_nodes(velocities, owned_, mesh_.nodes.cols(), ghosts_);
   }
 
   const EwaldParameters &parameters() const { return parameters_; }
 
  private:
-  Points wrap(const Points &points) const
-  {
-    Points s = mesh_.cell.inverse() * points;
-    s.array() -= s.array().floor();
-    return mesh_.cell * s;
-  }
-
-  std::vector<int> list_owned(MPI_Comm comm) const
-  {
-    int rank, n_ranks;
-    MPI_Comm_rank(comm, &rank);
-    MPI_Comm_size(comm, &n_ranks);
-    const std::vector<int> ranks = assign_to_ranks(mesh_.nodes, mesh_.cell, n_ranks);
-    std::vector<int> owned;
-    for (size_t i = 0; i < ranks.size(); i++)
-      if (ranks[i] == rank) owned.push_back(static_cast<int>(i));
-    return owned;
-  }
-
   EwaldParameters choose(double tolerance) const
   {
     EwaldScene scene;
@@ -145,36 +121,6 @@ class WallOperator {
             longest,
             wrap_difference(mesh_.nodes.col(t[k]) - mesh_.nodes.col(t[(k + 1) % 3])).norm());
     return longest;
-  }
-
-  // A triangle is on the rank that owns its second node; its corners are the closest images.
-  void list_triangles()
-  {
-    const Points &nodes = ghosts_.nodes();
-    std::vector<double> ids(nodes.cols());
-    std::copy(owned_.begin(), owned_.end(), ids.begin());
-    ghosts_.forward(ids.data(), 1);
-    std::multimap<int, int> copies;
-    std::map<int, int> local;
-    for (size_t i = 0; i < ids.size(); i++)
-      copies.emplace(static_cast<int>(ids[i]), static_cast<int>(i));
-    for (size_t i = 0; i < owned_.size(); i++)
-      local[owned_[i]] = static_cast<int>(i);
-    for (const Triangle &t : mesh_.triangles) {
-      if (!local.count(t[1])) continue;
-      const int middle = local[t[1]];
-      Triangle corners{middle, middle, middle};
-      for (int v : {0, 2}) {
-        double least = INFINITY;
-        for (auto [i, end] = copies.equal_range(t[v]); i != end; ++i) {
-          const double distance = (nodes.col(i->second) - nodes.col(middle)).norm();
-          if (distance >= least) continue;
-          least = distance;
-          corners[v] = i->second;
-        }
-      }
-      triangles_.push_back(corners);
-    }
   }
 
   const WallMesh &mesh_;

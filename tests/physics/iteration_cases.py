@@ -6,15 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_scripts import HEADER
 from styles import membrane_cases as cases
 
-START = """
-units lj
-newton on
-atom_style molecular
-atom_modify map yes
-boundary p p p
-region box {box}
+START = HEADER + """region box {box}
 create_box 3 box angle/types 2 dihedral/types 2 extra/angle/per/atom 6 extra/dihedral/per/atom 6
 mass * 1.0
 {create}

@@ -15,25 +15,18 @@ the force density on the fluid:  2 ES a (-3, 4) + [2 ES b + ED (2 b - a)] (2, -4
 The velocity is continuous; force = traction inside - traction outside."""
 
 import csv
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from lammps_scripts import HEADER, SOURCE
 from styles import membrane_cases as cases
 
-SOURCE = Path(os.environ.get("BIEM_SOURCE", Path(__file__).resolve().parents[2]))
 AMPLITUDE = 1e-5
 E_XZ = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 0.0], [0.5, 0.0, 0.0]])    # of the shear u = (z, 0, 0)
 
-SETUP = """
-units lj
-newton on
-atom_style molecular
-atom_modify map yes
-boundary p p p
-region box prism -{half} {half} -{half} {half} -{half} {half} 0 0 0
+SETUP = HEADER + """region box prism -{half} {half} -{half} {half} -{half} {half} 0 0 0
 create_box 1 box angle/types 1 dihedral/types 1
 mass 1 1.0
 create_cells {shape} nodes {nodes} single 0 0 0

@@ -2,24 +2,14 @@
 particles, reference tables. Knows no tolerances. Units: radius 1 and viscosity 1."""
 
 import csv
-import os
-import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+from lammps_scripts import HEADER, SOURCE, run_script
 
-SOURCE = Path(os.environ.get("BIEM_SOURCE", Path(__file__).resolve().parents[2]))
-LMP = os.environ.get("BIEM_LMP", str(SOURCE / "build" / "lmp_biem"))
-
-SCRIPT = """
-units lj
-newton on
-atom_style molecular
-atom_modify map yes
-boundary p p p
-region box prism 0 {box[0]!r} 0 {box[1]!r} 0 {box[2]!r} 0 0 0
+SCRIPT = HEADER + """region box prism 0 {box[0]!r} 0 {box[1]!r} 0 {box[2]!r} 0 0 0
 create_box 1 box angle/types 1 dihedral/types 1 extra/angle/per/atom 6
 mass 1 1.0
 {surfaces}
@@ -52,12 +42,7 @@ def read_table(name):
 def execute(script):
     """Runs a script in a folder of its own; returns its output."""
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "in.rigid").write_text(script)
-        done = subprocess.run([LMP, "-in", "in.rigid", "-log", "none"], cwd=folder,
-                              capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"lmp_biem failed:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
-    return done.stdout
+        return run_script(script, folder)
 
 
 def make_scene(box, surfaces):

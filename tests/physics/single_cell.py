@@ -1,23 +1,12 @@
 """One cell in shear flow through lmp_biem: input script, run, time series of its shape.
 Knows no reference values."""
 
-import os
-import subprocess
 import tempfile
-from pathlib import Path
 
 import numpy as np
+from lammps_scripts import HEADER, run_script
 
-SOURCE = Path(os.environ.get("BIEM_SOURCE", Path(__file__).resolve().parents[2]))
-LMP = os.environ.get("BIEM_LMP", str(SOURCE / "build" / "lmp_biem"))
-
-SCRIPT = """
-units lj
-newton on
-atom_style molecular
-atom_modify map yes
-boundary p p p
-region box prism -{half} {half} -{half} {half} -{half} {half} 0 0 0
+SCRIPT = HEADER + """region box prism -{half} {half} -{half} {half} -{half} {half} 0 0 0
 create_box 1 box angle/types 1 dihedral/types 1
 mass 1 1.0
 create_cells {shape} nodes {nodes} single 0 0 0
@@ -51,13 +40,9 @@ def run_single_cell(shape, nodes, ES, ED, EB, timestep, duration, box=12.0, colu
     script = SCRIPT.format(half=0.5 * box, shape=shape, nodes=nodes, ES=ES, ED=ED, EB=EB,
                            timestep=timestep, steps=steps, every=every, columns=columns)
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "in.cell").write_text(script)
-        done = subprocess.run([LMP, "-in", "in.cell", "-log", "none"], cwd=folder,
-                              capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"lmp_biem failed:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+        output = run_script(script, folder)
     rows = []
-    for line in done.stdout.splitlines():
+    for line in output.splitlines():
         words = line.split()
         try:
             row = [float(word) for word in words]

@@ -4,7 +4,8 @@
 import csv
 import unittest
 
-from single_cell import CAPSULE, SOURCE, average, run_single_cell
+from lammps_scripts import SOURCE
+from single_cell import CAPSULE, average, run_single_cell
 
 
 def read_reference():

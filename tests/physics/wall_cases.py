@@ -2,26 +2,16 @@
 and the errors against them.
 Knows no bounds on errors."""
 
-import os
-import subprocess
 import tempfile
 from pathlib import Path
 
 import numpy as np
-
-SOURCE = Path(os.environ.get("BIEM_SOURCE", Path(__file__).resolve().parents[2]))
-LMP = os.environ.get("BIEM_LMP", str(SOURCE / "build" / "lmp_biem"))
+from lammps_scripts import HEADER, run_script
 
 VISCOSITY = 0.7
 DUCT = (3.546, 5.319)    # 10 x 15 um in units of 2.82 um
 
-SCRIPT = """
-units lj
-newton on
-atom_style molecular
-atom_modify map yes
-boundary p p p
-region box block 0 {box[0]!r} 0 {box[1]!r} 0 {box[2]!r}
+SCRIPT = HEADER + """region box block 0 {box[0]!r} 0 {box[1]!r} 0 {box[2]!r}
 create_box 3 box angle/types 2 dihedral/types 2 extra/angle/per/atom 6 extra/dihedral/per/atom 6
 mass * 1.0
 {surfaces}
@@ -77,14 +67,10 @@ class Scene:
         with tempfile.TemporaryDirectory() as folder:
             for name, text in self.files.items():
                 (Path(folder) / name).write_text(text)
-            (Path(folder) / "in.walls").write_text(script)
-            done = subprocess.run([LMP, "-in", "in.walls", "-log", "none"], cwd=folder,
-                                  capture_output=True, text=True)
-            if done.returncode != 0:
-                raise RuntimeError(f"lmp_biem failed:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+            output = run_script(script, folder)
             velocity, wall = (read_dump(Path(folder) / f"{name}.dump")
                               for name in ("points", "wall"))
-        words = next(line for line in done.stdout.splitlines()
+        words = next(line for line in output.splitlines()
                      if line.startswith("result")).split()[1:]
         result = dict(zip(words[::2], map(float, words[1::2])))
         result["velocity"] = velocity[:len(points)]

@@ -1,19 +1,12 @@
 """create_cells in LAMMPS: atoms, angles, dihedrals and reference shape as written by LAMMPS, the
 gap between cells from the dumped positions, equality on 1, 2 and 4 ranks, and bad input."""
 
-import os
-import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
 import numpy as np
+from create_cases import CreateCase, read_dump
+from lammps_scripts import HEADER
 
-SOURCE = Path(os.environ.get("BIEM_SOURCE", Path(__file__).resolve().parents[2]))
-LMP = os.environ.get("BIEM_LMP", str(SOURCE / "build" / "lmp_biem"))
-MPIEXEC = os.environ.get("BIEM_MPIEXEC", "mpirun")
-
-HEADER = "units lj\nnewton on\natom_style molecular\natom_modify map yes\nboundary p p p\n"
 TYPES = "angle/types 1 dihedral/types 1"
 BOX = "region box block -3 5 -4 4 -1 7\ncreate_box 1 box " + TYPES + "\nmass 1 1.0\n"
 PRISM = "region box prism 0 7 0 7 0 7 0 3.4 0\ncreate_box 1 box " + TYPES + "\nmass 1 1.0\n"
@@ -41,13 +34,6 @@ print "result $(atoms) $(eangle:%.15g) $(edihed:%.15g)"
 LJ = "pair_style lj/cut 1.0\npair_coeff * * 0.0 1.0\n"
 
 
-def read_dump(path):
-    lines = Path(path).read_text().splitlines()
-    first = next(i for i, line in enumerate(lines) if "ITEM: ATOMS" in line or
-                 "ITEM: ENTRIES" in line)
-    return np.array([[float(word) for word in line.split()] for line in lines[first + 1:]])
-
-
 def enclosed_volume(x, triangles):
     a, b, c = x[triangles[:, 0]], x[triangles[:, 1]], x[triangles[:, 2]]
     return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
@@ -71,39 +57,13 @@ def triangle_distance(p, corners):
     return best.min() if len(best) else np.inf
 
 
-class CreateCells(unittest.TestCase):
-    def setUp(self):
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = Path(self._folder.name)
+class CreateCells(CreateCase):
+    command, box, output = "create_cells", BOX, MEMBRANE + OUTPUT
 
-    def tearDown(self):
-        self._folder.cleanup()
-
-    def run_lammps(self, script, n_ranks=1):
-        (self.folder / "in.test").write_text(script)
-        command = [LMP, "-in", "in.test", "-log", "log.test"]
-        if n_ranks > 1:
-            command = [MPIEXEC, "-np", str(n_ranks)] + command
-        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1",
-                           OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                           OMPI_MCA_rmaps_base_oversubscribe="1")
-        return subprocess.run(command, cwd=self.folder, capture_output=True, text=True,
-                              env=environment)
-
-    def run_output(self, commands, n_ranks=1, box=BOX):
-        done = self.run_lammps(HEADER + box + commands + MEMBRANE + OUTPUT, n_ranks)
-        self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-2000:])
-        atoms = read_dump(self.folder / "atoms.dump")
-        angles = read_dump(self.folder / "angles.dump").astype(int)
-        hinges = read_dump(self.folder / "hinges.dump").astype(int)
-        return done.stdout, atoms, angles, hinges
-
-    def assert_refused(self, commands, *messages, box=BOX, header=HEADER, n_ranks=1):
-        done = self.run_lammps(header + box + commands, n_ranks)
-        self.assertNotEqual(done.returncode, 0, f"accepted: {commands}")
-        text = " ".join((done.stdout + done.stderr).split())
-        for message in ("create_cells",) + messages:
-            self.assertIn(message, text, commands)
+    def run_output(self, commands, n_ranks=1, box=None):
+        """The dump of hinges too."""
+        others = super().run_output(commands, n_ranks, box)
+        return others + (read_dump(self.folder / "hinges.dump").astype(int),)
 
 
 class OneCell(CreateCells):

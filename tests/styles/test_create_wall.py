@@ -1,19 +1,12 @@
 """create_wall in LAMMPS: atoms, angles and reference positions as written by LAMMPS, lattices that
 repeat themselves, areas, room for what comes later, equality on 1, 2 and 4 ranks, and bad input."""
 
-import os
-import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
 import numpy as np
+from create_cases import CreateCase, read_dump
+from lammps_scripts import HEADER
 
-SOURCE = Path(os.environ.get("BIEM_SOURCE", Path(__file__).resolve().parents[2]))
-LMP = os.environ.get("BIEM_LMP", str(SOURCE / "build" / "lmp_biem"))
-MPIEXEC = os.environ.get("BIEM_MPIEXEC", "mpirun")
-
-HEADER = "units lj\nnewton on\natom_style molecular\natom_modify map yes\nboundary p p p\n"
 TYPES = "angle/types 2 dihedral/types 1"
 LOW, LENGTH = np.array([-3.0, -4.0, -1.0]), np.array([8.0, 6.0, 5.0])
 REGION = "region box block -3 5 -4 2 -1 4\n"
@@ -39,13 +32,6 @@ SQUARE = "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 1 3 2\n"
 TETRAHEDRON = ("OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
 
 
-def read_dump(path):
-    lines = Path(path).read_text().splitlines()
-    first = next(i for i, line in enumerate(lines) if "ITEM: ATOMS" in line or
-                 "ITEM: ENTRIES" in line)
-    return np.array([[float(word) for word in line.split()] for line in lines[first + 1:]])
-
-
 def shortest_image(difference):
     return difference - LENGTH * np.round(difference / LENGTH)
 
@@ -68,38 +54,8 @@ def strip_off(n, x_period):
     return "\n".join(lines + ["3 %d %d %d" % f for f in faces]) + "\n"
 
 
-class CreateWall(unittest.TestCase):
-    def setUp(self):
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = Path(self._folder.name)
-
-    def tearDown(self):
-        self._folder.cleanup()
-
-    def run_lammps(self, script, n_ranks=1):
-        (self.folder / "in.test").write_text(script)
-        command = [LMP, "-in", "in.test", "-log", "log.test"]
-        if n_ranks > 1:
-            command = [MPIEXEC, "-np", str(n_ranks)] + command
-        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1",
-                           OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                           OMPI_MCA_rmaps_base_oversubscribe="1")
-        return subprocess.run(command, cwd=self.folder, capture_output=True, text=True,
-                              env=environment)
-
-    def run_output(self, commands, n_ranks=1, box=BOX):
-        done = self.run_lammps(HEADER + box + commands + OUTPUT, n_ranks)
-        self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-2000:])
-        atoms = read_dump(self.folder / "atoms.dump")
-        angles = read_dump(self.folder / "angles.dump").astype(int)
-        return done.stdout, atoms, angles
-
-    def assert_refused(self, commands, *messages, box=BOX, header=HEADER, n_ranks=1):
-        done = self.run_lammps(header + box + commands, n_ranks)
-        self.assertNotEqual(done.returncode, 0, f"accepted: {commands}")
-        text = " ".join((done.stdout + done.stderr).split())
-        for message in ("create_wall",) + messages:
-            self.assertIn(message, text, commands)
+class CreateWall(CreateCase):
+    command, box, output = "create_wall", BOX, OUTPUT
 
     def assert_repeats(self, x, angles, shift):
         """The shift takes nodes to nodes and triangles to triangles."""
