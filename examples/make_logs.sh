@@ -19,7 +19,7 @@ for example in "$@"; do
       (cd "$example" && mpirun -np $n "$program" -in "in.$name" -screen none \
         -log "$output/log" -var output_dir "$output")
       rm -f "$example"/log.*."$name".g++.$n
-      mv "$output/log" "$example/log.$day.$name.g++.$n"
+      sed "s|$output|.|g" "$output/log" >"$example/log.$day.$name.g++.$n"
       echo "$example/log.$day.$name.g++.$n"
     done
   done
