@@ -317,11 +317,10 @@ void CoupledSystem::rethrow_with_surface(const NotConverged &e, const Configurat
 }
 
 Points CoupledSystem::compute_velocity(const Configuration &c, PointsView solution,
+                                       const std::vector<SurfaceMotion> &motions,
                                        NodeExchange &exchange)
 {
   if (!has_others_) return Points::Zero(3, c.n_owned);
-  std::vector<SurfaceMotion> motions;
-  if (has_double_) motions = modes_.compute_motions(solution, exchange);
   compute_densities(c, solution, motions, exchange);
   return field_operator_.apply(layers_, single_density_, double_density_, exchange) / (8.0 * M_PI);
 }

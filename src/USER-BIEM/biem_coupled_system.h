@@ -43,8 +43,10 @@ class CoupledSystem {
   SolverReport solve(const Configuration &c, const CoupledFields &right_hand_side,
                      CoupledFields &solution, NodeExchange &exchange);
   // The velocity v, 3 x n_owned, that the solution causes at the nodes without unknowns; zero at
-  // the others. Collective.
-  Points compute_velocity(const Configuration &c, PointsView solution, NodeExchange &exchange);
+  // the others. motions: modes().compute_motions(solution), not read without closed surfaces.
+  // Collective.
+  Points compute_velocity(const Configuration &c, PointsView solution,
+                          const std::vector<SurfaceMotion> &motions, NodeExchange &exchange);
   const SurfaceModes &modes() const { return modes_; }
   const SurfaceSubset &surfaces() const { return surfaces_; }
   bool is_unknown(int node) const { return surface_of_unknown_[node] >= 0; }

@@ -8,42 +8,54 @@ namespace LAMMPS_NS {
 
 namespace {
 
-// The frame in which the solution at a node changes slowly: of its rigid particle, or of space.
-biem::Mat3 get_frame(const LammpsSolver &solver, int node)
-{
-  const int s = solver.find_surface(node);
-  if (s < 0 || solver.scene().surfaces[s].kind != biem::SurfaceKind::Rigid)
-    return biem::Mat3::Identity();
-  return solver.particles.orientation(s);
-}
+// The frames in which the solution at a node changes slowly: of its rigid particle, or of space.
+class Frames {
+ public:
+  explicit Frames(const LammpsSolver &solver) :
+      solver_(solver),
+      rotations_(solver.particles.orientations(static_cast<int>(solver.scene().surfaces.size())))
+  {
+  }
+  const biem::Mat3 &operator[](int node) const
+  {
+    const int s = solver_.find_surface(node);
+    return s < 0 ? space_ : rotations_[s];
+  }
+
+ private:
+  const LammpsSolver &solver_;
+  std::vector<biem::Mat3> rotations_;    // by surface
+  biem::Mat3 space_ = biem::Mat3::Identity();
+};
 
 }    // namespace
 
-biem::CoupledFields SolutionHistory::make_guess(Start start, const LammpsSolver &solver,
+biem::CoupledFields SolutionHistory::make_guess(SolutionStart start, const LammpsSolver &solver,
                                                 double **array) const
 {
   biem::CoupledFields guess;
   if (!solver.has_unknowns() || n_solutions_ == 0) return guess;
-  const bool is_extrapolated = start == Start::Extrapolated && n_solutions_ > 1;
+  const bool is_extrapolated = start == SolutionStart::Extrapolated && n_solutions_ > 1;
   const double ratio = is_extrapolated ? update->dt / dt_ : 0.0;
   guess.mean = mean_ + ratio * (mean_ - previous_mean_);
   guess.nodes.resize(3, atom->nlocal);
+  const Frames frames(solver);
   for (int i = 0; i < atom->nlocal; i++) {
     const Eigen::Map<biem::Vec3> now(array[i] + now_), before(array[i] + before_);
-    guess.nodes.col(i) = get_frame(solver, i) * (now + ratio * (now - before));
+    guess.nodes.col(i) = frames[i] * (now + ratio * (now - before));
   }
   return guess;
 }
 
-void SolutionHistory::keep(Start start, const LammpsSolver &solver,
+void SolutionHistory::keep(SolutionStart start, const LammpsSolver &solver,
                            const biem::CoupledFields &solution, double **array)
 {
   if (!solver.has_unknowns()) return;
-  const bool is_step = start == Start::Extrapolated;
+  const Frames frames(solver);
+  const bool is_step = start == SolutionStart::Extrapolated;
   for (int i = 0; i < atom->nlocal; i++) {
     if (is_step) std::copy_n(array[i] + now_, 3, array[i] + before_);
-    Eigen::Map<biem::Vec3>(array[i] + now_) =
-        get_frame(solver, i).transpose() * solution.nodes.col(i);
+    Eigen::Map<biem::Vec3>(array[i] + now_) = frames[i].transpose() * solution.nodes.col(i);
   }
   if (is_step) {
     previous_mean_ = mean_;

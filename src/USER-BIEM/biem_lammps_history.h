@@ -8,16 +8,18 @@
 
 namespace LAMMPS_NS {
 
+// FromLast: the positions are those of the last solution, as in the setup of a run.
+enum class SolutionStart { FromLast, Extrapolated };
+
 class SolutionHistory : protected Pointers {
  public:
   // now, before: first of the three columns that hold each solution.
   SolutionHistory(LAMMPS *lmp, int now, int before) : Pointers(lmp), now_(now), before_(before) {}
 
-  // FromLast: the positions are those of the last solution, as in the setup of a run.
-  enum class Start { FromLast, Extrapolated };
   // Initial guess for the owned atoms; empty if there is no solution yet. array: of the fix.
-  biem::CoupledFields make_guess(Start start, const LammpsSolver &solver, double **array) const;
-  void keep(Start start, const LammpsSolver &solver, const biem::CoupledFields &solution,
+  biem::CoupledFields make_guess(SolutionStart start, const LammpsSolver &solver,
+                                 double **array) const;
+  void keep(SolutionStart start, const LammpsSolver &solver, const biem::CoupledFields &solution,
             double **array);
 
   static constexpr int kStateSize = 8;

@@ -200,23 +200,20 @@ void Suspension::solve_coupled(const Configuration &c, PointsView forces,
   result.solver = coupled_->solve(c, wanted, result.solution, exchange);
 
   const Points &x = result.solution.nodes;
-  result.velocity += coupled_->compute_velocity(c, x, exchange);
   if (modes.n_surfaces() > 0) result.motions = modes.compute_motions(x, exchange);
+  result.velocity += coupled_->compute_velocity(c, x, result.motions, exchange);
   for (int s = 0; s < modes.n_surfaces(); s++)
     result.centroids.push_back(modes.surface(s).centroid);
-  double wall[4] = {};    // force, area
   for (int i = 0; i < c.n_owned; i++) {
     if (!coupled_->is_unknown(i)) {
       result.velocity.col(i) += result.solution.mean;
       continue;
     }
-    const double area = result.areas[i] = coupled_->surfaces().areas()[i];
+    result.areas[i] = coupled_->surfaces().areas()[i];
     const int s = c.surface_of_node[i];
     if (surface_of(i).kind == SurfaceKind::Wall) {
       result.velocity.col(i) = surface_of(i).velocity - conditions.flow.mean;
       result.traction.col(i) = x.col(i);
-      Eigen::Map<Vec3>(wall) += area * x.col(i);
-      wall[3] += area;
     } else if (surface_of(i).kind == SurfaceKind::Rigid) {
       result.velocity.col(i) =
           modes.compute_rigid(result.motions[s], i) - gradient * modes.relative().col(i);
@@ -224,11 +221,13 @@ void Suspension::solve_coupled(const Configuration &c, PointsView forces,
       result.velocity.col(i) = x.col(i) - gradient * modes.relative().col(i);
     }
   }
-  exchange.sum(wall, 4);
-  result.wall_force = Eigen::Map<Vec3>(wall);
-  result.wall_area = wall[3];
+  if (!coupled_->walls().is_empty()) {
+    const Vec3 load = coupled_->walls().compute_load(x, exchange);
+    result.wall_force = -volume_ * load;
+    result.wall_area = coupled_->walls().area();
+    result.pressure_drop += load;
+  }
   result.mean_velocity += result.solution.mean;
-  result.pressure_drop -= result.wall_force / volume_;
   add_stresslets(c, forces, result, exchange);
 }
 

@@ -157,7 +157,7 @@ void FixBiem::reset_dt()
 void FixBiem::setup(int)
 {
   impl->solver.refresh(impl->list);
-  evaluate(Start::FromLast);
+  evaluate(SolutionStart::FromLast);
 }
 
 void FixBiem::initial_integrate(int)
@@ -203,7 +203,7 @@ void FixBiem::pre_exchange()
 void FixBiem::post_force(int)
 {
   if (neighbor->ago == 0) impl->solver.refresh(impl->list);
-  evaluate(Start::Extrapolated);
+  evaluate(SolutionStart::Extrapolated);
 }
 
 void FixBiem::check_forces()
@@ -226,14 +226,12 @@ void FixBiem::check_forces()
   }
 }
 
-void FixBiem::evaluate(Start start)
+void FixBiem::evaluate(SolutionStart start)
 {
   check_forces();
   Impl &m = *impl;
-  const auto kind = start == Start::FromLast ? SolutionHistory::Start::FromLast
-                                             : SolutionHistory::Start::Extrapolated;
-  const biem::Evaluation e = m.solver.evaluate(m.history.make_guess(kind, m.solver, array));
-  m.history.keep(kind, m.solver, e.solution, array);
+  const biem::Evaluation e = m.solver.evaluate(m.history.make_guess(start, m.solver, array));
+  m.history.keep(start, m.solver, e.solution, array);
   for (int i = 0; i < atom->nlocal; i++) {
     double *a = array[i];
     Eigen::Map<biem::Vec3> velocity(a + kVelocity), traction(a + kTraction), total(atom->v[i]);

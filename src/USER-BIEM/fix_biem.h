@@ -11,6 +11,8 @@ FixStyle(biem,FixBiem);
 
 namespace LAMMPS_NS {
 
+enum class SolutionStart;
+
 // Moves membranes and tracers with the Stokes flow that the membrane forces and the background flow
 // cause; owns the tilt of a sheared box. Parses, calls the core, publishes; see doc/fix_biem.md.
 class FixBiem : public Fix {
@@ -51,8 +53,7 @@ class FixBiem : public Fix {
   Impl *impl;
   double **array;    // per atom: velocity, traction, area (published), then the history
 
-  enum class Start { FromLast, Extrapolated };
-  void evaluate(Start);
+  void evaluate(SolutionStart);
   void move_points();
   void check_forces();
   void check_volumes();
