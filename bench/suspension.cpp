@@ -102,7 +102,7 @@ enum class Forces { Membrane, Smooth };
 
 // One evaluation: its parts on this rank, which add up to its CPU time. velocity: 3 x n_owned.
 Parts evaluate(Suspension &suspension, SuspensionShare &share, const Points &smooth_forces,
-               Forces kind, CellVolumes &volumes, Points &velocity)
+               Forces kind, HeldCells &held, Points &velocity)
 {
   const Parts before = to_parts(suspension.force_profile());
   CpuClock total, clock;
@@ -113,7 +113,7 @@ Parts evaluate(Suspension &suspension, SuspensionShare &share, const Points &smo
   if (kind == Forces::Smooth) forces = smooth_forces;
   const Configuration c = share.configuration();
   velocity = suspension
-                 .evaluate(c, forces.leftCols(c.n_owned), Conditions(), CoupledFields(), volumes,
+                 .evaluate(c, forces.leftCols(c.n_owned), Conditions(), CoupledFields(), held,
                            share.ghosts())
                  .velocity;
   const double seconds = total.restart();
@@ -157,14 +157,13 @@ Measurement measure(MPI_Comm comm, const RedCells &cells, const EwaldScene &scen
   Suspension suspension(comm, {result.parameters, result.parameters}, SuspensionSettings(),
                         surfaces);
   suspension.set_cell(cells.box, Vec3::Zero());
-  CellVolumes volumes;
-  volumes.reference.assign(cells.n_cells, 4.0 * M_PI / 3.0);
-  volumes.current.resize(cells.n_cells);
+  HeldCells held;
+  held.reference_volume.assign(cells.n_cells, 4.0 * M_PI / 3.0);
   const Points smooth_forces = compute_smooth_forces(cells, share);
   Points velocity;
   for (int r = 0; r < n_repetitions; r++) {
     MPI_Barrier(comm);
-    keep_fastest(comm, evaluate(suspension, share, smooth_forces, kind, volumes, velocity), result);
+    keep_fastest(comm, evaluate(suspension, share, smooth_forces, kind, held, velocity), result);
   }
   result.velocities = Points::Zero(3, cells.n_nodes());
   for (size_t i = 0; i < share.owned().size(); i++)

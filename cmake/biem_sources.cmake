@@ -4,6 +4,8 @@ set(BIEM_SOURCE_DIR ${CMAKE_CURRENT_LIST_DIR}/../src/USER-BIEM)
 # Core: namespace biem, no LAMMPS header.
 set(BIEM_CORE_SOURCES
   biem_body_load.cpp
+  biem_contact_law.cpp
+  biem_contact_slots.cpp
   biem_coupled_system.cpp
   biem_coupled_walls.cpp
   biem_element_flat.cpp
@@ -29,6 +31,7 @@ set(BIEM_CORE_SOURCES
   biem_mesh_file.cpp
   biem_mesh_icosphere.cpp
   biem_mesh_moments.cpp
+  biem_mesh_nearest_point.cpp
   biem_mesh_obstacles.cpp
   biem_mesh_packing.cpp
   biem_mesh_packing_contacts.cpp
@@ -51,6 +54,8 @@ set(BIEM_CORE_SOURCES
   biem_solver_gmres.cpp
   biem_solver_wall.cpp
   biem_stepper.cpp
+  biem_stepper_rkc.cpp
+  biem_surface_hold.cpp
   biem_surface_modes.cpp
   biem_surface_replicas.cpp
   biem_surface_subset.cpp
@@ -63,9 +68,17 @@ set(BIEM_BRIDGE_SOURCES
   biem_lammps_bridge.cpp
   biem_lammps_cell_creation.cpp
   biem_lammps_cell_settings.cpp
+  biem_lammps_closing.cpp
   biem_lammps_command_arguments.cpp
+  biem_lammps_contact_messages.cpp
+  biem_lammps_contact_surfaces.cpp
+  biem_lammps_contacts.cpp
+  biem_lammps_crossing_search.cpp
+  biem_lammps_evaluator.cpp
   biem_lammps_gather.cpp
   biem_lammps_history.cpp
+  biem_lammps_integrator.cpp
+  biem_lammps_integrator_steps.cpp
   biem_lammps_output.cpp
   biem_lammps_overlap_check.cpp
   biem_lammps_parameters.cpp
@@ -75,9 +88,12 @@ set(BIEM_BRIDGE_SOURCES
   biem_lammps_settings.cpp
   biem_lammps_sheared_box.cpp
   biem_lammps_solver.cpp
+  biem_lammps_stage_forces.cpp
+  biem_lammps_stiffness.cpp
   biem_lammps_surface_command.cpp
   biem_lammps_topology.cpp
   biem_lammps_wall_settings.cpp
+  biem_lammps_watchdog.cpp
 )
 
 # Styles: LAMMPS classes behind the commands of the input script.
@@ -88,6 +104,7 @@ set(BIEM_STYLE_SOURCES
   create_wall.cpp
   dihedral_biem_bend.cpp
   fix_biem.cpp
+  pair_biem_contact.cpp
 )
 
 # Entry points, one for each way to bring the styles into LAMMPS.

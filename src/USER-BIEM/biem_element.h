@@ -20,9 +20,11 @@ class SurfaceElements {
   virtual double area(int element) const = 0;
   virtual double mean_edge(int element) const = 0;    // length scale of the near rule
 
-  // Adds int dA of the hat functions (nodal areas, n) and dV/dx of the enclosed volume (3 x n).
+  // Adds int dA of the hat functions (nodal areas, n), dV/dx of the enclosed volume and dA/dx of
+  // the area (3 x n each).
   virtual void add_nodal_areas(Eigen::Ref<Eigen::VectorXd> areas) const = 0;
   virtual void add_volume_gradient(PointsRef gradient) const = 0;
+  virtual void add_area_gradient(PointsRef gradient) const = 0;
   // Contribution of one element to the enclosed volume, about the given origin.
   virtual double volume(int element, const Vec3 &origin) const = 0;
 

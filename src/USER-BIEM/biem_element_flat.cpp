@@ -130,6 +130,16 @@ void FlatElements::add_volume_gradient(PointsRef gradient) const
   }
 }
 
+void FlatElements::add_area_gradient(PointsRef gradient) const
+{
+  // A corner moves the area by half the opposite edge, turned outwards in the triangle's plane.
+  for (int e = 0; e < n_elements(); e++)
+    for (int v = 0; v < 3; v++) {
+      const Vec3 edge = corners_[e][(v + 2) % 3] - corners_[e][(v + 1) % 3];
+      gradient.col(triangles_[e][v]) += 0.5 * frames_[e].normal.cross(edge);
+    }
+}
+
 double FlatElements::volume(int e, const Vec3 &origin) const
 {
   return (corners_[e][0] - origin).dot(frames_[e].normal) * frames_[e].twice_area / 6.0;

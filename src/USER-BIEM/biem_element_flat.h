@@ -16,6 +16,7 @@ class FlatElements : public SurfaceElements {
   double mean_edge(int element) const override { return mean_edges_[element]; }
   void add_nodal_areas(Eigen::Ref<Eigen::VectorXd> areas) const override;
   void add_volume_gradient(PointsRef gradient) const override;
+  void add_area_gradient(PointsRef gradient) const override;
   double volume(int element, const Vec3 &origin) const override;
   double nodal_fraction() const override { return 0.25; }
   void compute_interior_points(PointsRef points) const override;

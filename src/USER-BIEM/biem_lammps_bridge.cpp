@@ -84,6 +84,7 @@ biem::Vec3 get_origin(LAMMPS *lmp)
 void LammpsConfiguration::refresh(NeighList *list)
 {
   version_++;
+  lost_edge_ = 0.0;
   triangles_.clear();
   surface_of_triangle_.clear();
   candidates_.start.assign(1, 0);
@@ -117,12 +118,10 @@ void LammpsConfiguration::add_candidates(const biem::Triangle &t, NeighList *lis
     longest = std::max(longest, edge);
   }
   const double reach = kListMargin * biem::kNearFactor * sum / 3.0;
-  if (!(reach + longest <= list_cutoff_))
-    throw biem::Error("molecule " + std::to_string(atom->molecule[t[1]]) +
-                      " has an edge of length " + std::to_string(longest) +
-                      ": triangles have stretched beyond the reach of the neighbor list (" +
-                      std::to_string(list_cutoff_) +
-                      "); the membrane is too soft for this flow or the timestep too large");
+  if (!(reach + longest <= list_cutoff_) && !(longest <= lost_edge_)) {
+    lost_edge_ = longest;
+    lost_molecule_ = static_cast<int>(atom->molecule[t[1]]);
+  }
   const double reach2 = std::pow(reach + neighbor->skin, 2);
   auto add_if_near = [&](int j) {
     const biem::Vec3 x = Eigen::Map<biem::Vec3>(atom->x[j]);

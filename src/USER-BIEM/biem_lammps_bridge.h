@@ -61,6 +61,9 @@ class LammpsConfiguration : protected Pointers {
 
   // After every reneighboring: triangles, numbers of surfaces, near candidates.
   void refresh(NeighList *list);
+  // Of the last refresh(): the longest edge for which the list may lack pairs, 0 if there is none.
+  double lost_edge() const { return lost_edge_; }
+  int lost_molecule() const { return lost_molecule_; }
   // Before every evaluation: unwrapped positions. orientations: by surface.
   biem::Configuration get(std::vector<biem::Mat3> orientations);
   int find_surface(int node) const { return surface_of_node_[node]; }    // of an owned node
@@ -73,6 +76,8 @@ class LammpsConfiguration : protected Pointers {
   NodeIndex index_;
   double list_cutoff_;
   long version_;
+  double lost_edge_ = 0.0;
+  int lost_molecule_ = 0;
   std::vector<biem::Triangle> triangles_;
   std::vector<int> surface_of_triangle_, surface_of_node_, index_of_node_;
   biem::Points triangle_shift_, unwrapped_;
@@ -86,6 +91,8 @@ auto guarded(LAMMPS *lmp, const std::string &who, Function function) -> decltype
 {
   try {
     return function();
+  } catch (const biem::NotConverged &) {
+    throw;    // on all ranks alike: the caller can go back to the last step
   } catch (const biem::Error &e) {
     lmp->error->one(FLERR, who + ": " + e.what());
   }

@@ -1,7 +1,6 @@
 // History of the coupled system's solutions: see the header.
 #include "biem_lammps_history.h"
 #include "atom.h"
-#include "update.h"
 #include <algorithm>
 
 namespace LAMMPS_NS {
@@ -30,13 +29,12 @@ class Frames {
 
 }    // namespace
 
-biem::CoupledFields SolutionHistory::make_guess(SolutionStart start, const LammpsSolver &solver,
+biem::CoupledFields SolutionHistory::make_guess(double time, const LammpsSolver &solver,
                                                 double **array) const
 {
   biem::CoupledFields guess;
   if (!solver.has_unknowns() || n_solutions_ == 0) return guess;
-  const bool is_extrapolated = start == SolutionStart::Extrapolated && n_solutions_ > 1;
-  const double ratio = is_extrapolated ? update->dt / dt_ : 0.0;
+  const double ratio = n_solutions_ > 1 ? (time - time_) / (time_ - previous_time_) : 0.0;
   guess.mean = mean_ + ratio * (mean_ - previous_mean_);
   guess.nodes.resize(3, atom->nlocal);
   const Frames frames(solver);
@@ -47,28 +45,30 @@ biem::CoupledFields SolutionHistory::make_guess(SolutionStart start, const Lammp
   return guess;
 }
 
-void SolutionHistory::keep(SolutionStart start, const LammpsSolver &solver,
+void SolutionHistory::keep(double time, const LammpsSolver &solver,
                            const biem::CoupledFields &solution, double **array)
 {
   if (!solver.has_unknowns()) return;
   const Frames frames(solver);
-  const bool is_step = start == SolutionStart::Extrapolated;
+  const bool is_new = n_solutions_ == 0 || time != time_;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (is_step) std::copy_n(array[i] + now_, 3, array[i] + before_);
+    if (is_new) std::copy_n(array[i] + now_, 3, array[i] + before_);
     Eigen::Map<biem::Vec3>(array[i] + now_) = frames[i].transpose() * solution.nodes.col(i);
   }
-  if (is_step) {
+  if (is_new) {
     previous_mean_ = mean_;
-    dt_ = update->dt;
+    previous_time_ = time_;
+    n_solutions_ = std::min(2, n_solutions_ + 1);
   }
   mean_ = solution.mean;
-  n_solutions_ = std::min(2, std::max(1, n_solutions_ + (is_step ? 1 : 0)));
+  time_ = time;
 }
 
 std::vector<double> SolutionHistory::get_state() const
 {
   return {static_cast<double>(n_solutions_),
-          dt_,
+          time_,
+          previous_time_,
           mean_[0],
           mean_[1],
           mean_[2],
@@ -80,9 +80,10 @@ std::vector<double> SolutionHistory::get_state() const
 void SolutionHistory::set_state(const double *state)
 {
   n_solutions_ = static_cast<int>(state[0]);
-  dt_ = state[1];
-  mean_ = biem::Vec3(state + 2);
-  previous_mean_ = biem::Vec3(state + 5);
+  time_ = state[1];
+  previous_time_ = state[2];
+  mean_ = biem::Vec3(state + 3);
+  previous_mean_ = biem::Vec3(state + 6);
 }
 
 }    // namespace LAMMPS_NS

@@ -8,21 +8,19 @@
 
 namespace LAMMPS_NS {
 
-// FromLast: the positions are those of the last solution, as in the setup of a run.
-enum class SolutionStart { FromLast, Extrapolated };
-
 class SolutionHistory : protected Pointers {
  public:
   // now, before: first of the three columns that hold each solution.
   SolutionHistory(LAMMPS *lmp, int now, int before) : Pointers(lmp), now_(now), before_(before) {}
 
-  // Initial guess for the owned atoms; empty if there is no solution yet. array: of the fix.
-  biem::CoupledFields make_guess(SolutionStart start, const LammpsSolver &solver,
-                                 double **array) const;
-  void keep(SolutionStart start, const LammpsSolver &solver, const biem::CoupledFields &solution,
+  // Initial guess for the owned atoms at a time: on the line through the last two solutions; empty
+  // if there is none yet. array: of the fix.
+  biem::CoupledFields make_guess(double time, const LammpsSolver &solver, double **array) const;
+  // At the time of the last solution: takes its place.
+  void keep(double time, const LammpsSolver &solver, const biem::CoupledFields &solution,
             double **array);
 
-  static constexpr int kStateSize = 8;
+  static constexpr int kStateSize = 9;
   std::vector<double> get_state() const;
   void set_state(const double *state);
 
@@ -31,7 +29,7 @@ class SolutionHistory : protected Pointers {
   // Mean velocity that a pressure drop drives, now and one step ago.
   biem::Vec3 mean_ = biem::Vec3::Zero(), previous_mean_ = biem::Vec3::Zero();
   int n_solutions_ = 0;    // up to 2
-  double dt_ = 0.0;        // between the last two
+  double time_ = 0.0, previous_time_ = 0.0;
 };
 
 }    // namespace LAMMPS_NS

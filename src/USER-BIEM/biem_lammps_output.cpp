@@ -30,7 +30,8 @@ void FlowOutput::get_times(const LammpsSolver &solver, double *times)
                     coupled.near + coupled.sum.fourier.total();
 }
 
-void FlowOutput::publish(const biem::Evaluation &e, LammpsSolver &solver, const ShearedBox &box)
+void FlowOutput::publish(const biem::Evaluation &e, LammpsSolver &solver, const ShearedBox &box,
+                         const LammpsIntegrator &integrator)
 {
   update_velocities(e, solver);
   update_table(e, solver);
@@ -46,6 +47,14 @@ void FlowOutput::publish(const biem::Evaluation &e, LammpsSolver &solver, const 
   vector_[kExpectedError] = solver.expected_error();
   vector_[kIterations] = e.solver.iterations;
   vector_[kResidual] = e.solver.residual;
+  const StepRecord &record = integrator.record();
+  vector_[kEvaluations] = integrator.flow.n_evaluations();
+  vector_[kInnerEvaluations] = integrator.flow.n_inner();
+  vector_[kStages] = record.n_stages;
+  vector_[kRadius] = integrator.stiffness.radius();
+  vector_[kTime] = integrator.time();
+  vector_[kStepError] = record.error;
+  vector_[kRepeated] = record.n_repeated + record.n_split;
   for (int a = 0; a < 3; a++) {
     vector_[kMeanVelocity + a] = e.mean_velocity[a];
     vector_[kPressureDrop + a] = e.pressure_drop[a];

@@ -4,8 +4,7 @@
 #ifndef BIEM_LAMMPS_OUTPUT_H
 #define BIEM_LAMMPS_OUTPUT_H
 
-#include "biem_lammps_sheared_box.h"
-#include "biem_lammps_solver.h"
+#include "biem_lammps_integrator.h"
 
 namespace LAMMPS_NS {
 
@@ -32,6 +31,13 @@ class FlowOutput : protected Pointers {
     kPressureDrop = kMeanVelocity + 3,
     kWallStress = kPressureDrop + 3,
     kWallShearRate = kWallStress + 3,
+    kEvaluations,
+    kInnerEvaluations,
+    kStages,
+    kRadius,
+    kTime,
+    kStepError,
+    kRepeated,    // or split
     kVectorSize
   };
   enum {
@@ -50,7 +56,8 @@ class FlowOutput : protected Pointers {
   // Start of a run: times count from here.
   void start(const LammpsSolver &solver);
   // Collective.
-  void publish(const biem::Evaluation &evaluation, LammpsSolver &solver, const ShearedBox &box);
+  void publish(const biem::Evaluation &evaluation, LammpsSolver &solver, const ShearedBox &box,
+               const LammpsIntegrator &integrator);
 
  private:
   enum { kReal, kNear, kFourier, kCoupled, kTimes };

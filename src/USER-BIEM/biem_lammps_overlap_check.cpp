@@ -3,7 +3,7 @@
 #include "biem_lammps_atom_directory.h"
 #include "biem_lammps_bridge.h"
 #include "biem_lammps_compat.h"
-#include "biem_mesh_crossings.h"
+#include "biem_lammps_crossing_search.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -25,40 +25,44 @@ struct Candidate {
   biem::Vec3 point;
 };
 
+biem::SurfaceTriangle make_triangle(Domain *domain, const AtomRecord *corners,
+                                    const NodeGroups &groups)
+{
+  biem::SurfaceTriangle t{};
+  t.surface = static_cast<int>(corners[0].molecule) - 1;
+  t.is_sheet = groups.kind(corners[0].mask) == biem::SurfaceKind::Wall;
+  for (int k = 0; k < 3; k++)
+    for (int a = 0; a < 3; a++)
+      t.corners[3 * k + a] = corners[k].x[a];
+  for (int k = 1; t.is_sheet && k < 3; k++) {    // walls cross the box: the closest images
+    biem::Vec3 d = t.corner(k) - t.corner(0);
+    BiemCompat::minimum_image(domain, d.data());
+    for (int a = 0; a < 3; a++)
+      t.corners[3 * k + a] = t.corners[a] + d[a];
+  }
+  return t;
+}
+
 class OverlapCheck : protected Pointers {
  public:
   OverlapCheck(LAMMPS *lmp, const NodeGroups &groups, const MeshSurvey &survey) :
-      Pointers(lmp), groups_(groups), survey_(survey), lattice_(get_cell(lmp))
+      Pointers(lmp), groups_(groups), survey_(survey), lattice_(get_cell(lmp)),
+      triangles_(collect_triangles(lmp, groups))
   {
-    int64_t missing;    // the survey has looked
-    const std::vector<AtomRecord> corners = AtomDirectory(lmp).look_up_corners(missing);
-    for (size_t t = 0; t < corners.size(); t += 3)
-      triangles_.push_back(make_triangle(&corners[t]));
   }
 
   void check_crossings(RunStart start)
   {
-    const biem::CrossingBins bins(lattice_, survey_.longest_mean_edge);
-    std::vector<std::vector<biem::SurfaceTriangle>> outgoing(comm->nprocs);
-    for (biem::SurfaceTriangle &t : triangles_)
-      bins.for_each_bin(t, [&](std::int64_t bin) {
-        t.bin = bin;
-        outgoing[bin % comm->nprocs].push_back(t);
-      });
-    std::vector<int> counts;
-    std::vector<biem::SurfaceTriangle> mine = exchange_records(world, outgoing, counts);
-    const auto found = biem::find_crossing(lattice_, mine);
-    const int first = found ? found->first : survey_.n_molecules, n = survey_.n_molecules;
-    // The smallest pair of all ranks: its number, and the ranks that have found it.
-    const int64_t pair = found ? static_cast<int64_t>(first) * n + found->second : kNoTag;
-    int64_t smallest;
-    MPI_Allreduce(&pair, &smallest, 1, MPI_INT64_T, MPI_MIN, world);
-    if (smallest == kNoTag) return;
-    int rank = pair == smallest ? comm->me : comm->nprocs, owner;
-    MPI_Allreduce(&rank, &owner, 1, MPI_INT, MPI_MIN, world);
-    biem::Vec3 where = found ? found->where : biem::Vec3::Zero();
-    MPI_Bcast(where.data(), 3, MPI_DOUBLE, owner, world);
-    report_crossing(static_cast<int>(smallest / n), static_cast<int>(smallest % n), where, start);
+    bool is_warned = false;
+    for (const biem::Crossing &c :
+         find_all_crossings(world, lattice_, survey_.longest_mean_edge, triangles_)) {
+      const bool is_allowed = start == RunStart::Continued && is_free(c.first) && is_free(c.second);
+      if (is_allowed && is_warned) continue;
+      const std::string text = describe_crossing(c);
+      if (!is_allowed) error->all(FLERR, text);
+      if (comm->me == 0) error->warning(FLERR, text);
+      is_warned = true;
+    }
   }
 
   void check_nesting()
@@ -91,23 +95,6 @@ class OverlapCheck : protected Pointers {
   std::string name(int surface) const
   {
     return describe(group_of(surface).kind) + " " + std::to_string(surface + 1);
-  }
-
-  biem::SurfaceTriangle make_triangle(const AtomRecord *corners) const
-  {
-    biem::SurfaceTriangle t{};
-    t.surface = static_cast<int>(corners[0].molecule) - 1;
-    t.is_sheet = group_of(t.surface).kind == biem::SurfaceKind::Wall;
-    for (int k = 0; k < 3; k++)
-      for (int a = 0; a < 3; a++)
-        t.corners[3 * k + a] = corners[k].x[a];
-    for (int k = 1; t.is_sheet && k < 3; k++) {    // walls cross the box: the closest images
-      biem::Vec3 d = t.corner(k) - t.corner(0);
-      BiemCompat::minimum_image(domain, d.data());
-      for (int a = 0; a < 3; a++)
-        t.corners[3 * k + a] = t.corners[a] + d[a];
-    }
-    return t;
   }
 
   // Closed surfaces whose box holds a point of another, smaller one, or of a wall.
@@ -165,17 +152,15 @@ class OverlapCheck : protected Pointers {
            "a smaller timestep or a finer mesh";
   }
 
-  void report_crossing(int first, int second, biem::Vec3 where, RunStart start)
+  std::string describe_crossing(const biem::Crossing &c) const
   {
-    domain->remap(where.data());
-    const std::string other = first == second ? "its own periodic image" : name(second);
-    const std::string text = fmt::format(
-        "Fix biem: step {}: the surfaces of {} and {} (molecule ids) cross near ({:.4g}, {:.4g}, "
-        "{:.4g}){}",
-        update->ntimestep, name(first), other, where[0], where[1], where[2], advice());
-    if (start == RunStart::First || !is_free(first) || !is_free(second))
-      error->all(FLERR, text);
-    if (comm->me == 0) error->warning(FLERR, text);
+    double where[3] = {c.where[0], c.where[1], c.where[2]};
+    domain->remap(where);
+    const std::string other = c.first == c.second ? "its own periodic image" : name(c.second);
+    return fmt::format("Fix biem: step {}: the surfaces of {} and {} (molecule ids) cross near "
+                       "({:.4g}, {:.4g}, {:.4g}){}",
+                       update->ntimestep, name(c.first), other, where[0], where[1], where[2],
+                       advice());
   }
 
   void report_nesting(const Candidate &c)
@@ -195,6 +180,16 @@ class OverlapCheck : protected Pointers {
 };
 
 }    // namespace
+
+std::vector<biem::SurfaceTriangle> collect_triangles(LAMMPS *lmp, const NodeGroups &groups)
+{
+  int64_t missing;    // the survey has looked
+  const std::vector<AtomRecord> corners = AtomDirectory(lmp).look_up_corners(missing);
+  std::vector<biem::SurfaceTriangle> triangles;
+  for (size_t t = 0; t < corners.size(); t += 3)
+    triangles.push_back(make_triangle(lmp->domain, &corners[t], groups));
+  return triangles;
+}
 
 void check_overlaps(LAMMPS *lmp, const NodeGroups &groups, const MeshSurvey &survey, RunStart start)
 {

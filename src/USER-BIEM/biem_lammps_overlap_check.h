@@ -4,6 +4,7 @@
 #define BIEM_LAMMPS_OVERLAP_CHECK_H
 
 #include "biem_lammps_topology.h"
+#include "biem_mesh_crossings.h"
 
 namespace LAMMPS_NS {
 
@@ -16,6 +17,9 @@ enum class RunStart { First, Continued };
 // After the survey and the check of its edges. Collective.
 void check_overlaps(LAMMPS *lmp, const NodeGroups &groups, const MeshSurvey &survey,
                     RunStart start);
+
+// Triangles of this rank, from the angles of its atoms, corners in one piece. Collective.
+std::vector<biem::SurfaceTriangle> collect_triangles(LAMMPS *lmp, const NodeGroups &groups);
 
 }    // namespace LAMMPS_NS
 

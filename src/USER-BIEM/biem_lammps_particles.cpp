@@ -57,6 +57,11 @@ biem::Mat3 LammpsParticles::orientation(int surface) const
   return states_.at(surface + 1).orientation.toRotationMatrix();
 }
 
+double LammpsParticles::radius(int molecule) const
+{
+  return compute_size(shapes_[bodies_.at(molecule).shape].nodes);
+}
+
 std::vector<biem::Mat3> LammpsParticles::orientations(int n_surfaces) const
 {
   std::vector<biem::Mat3> result(n_surfaces, biem::Mat3::Identity());
@@ -179,6 +184,19 @@ void LammpsParticles::advance(biem::Stepper stepper, const biem::BackgroundFlow 
 {
   for (auto &entry : states_)
     biem::advance(stepper, flow, dt, entry.second);
+}
+
+void LammpsParticles::begin_stages(const biem::BackgroundFlow &flow)
+{
+  for (const auto &entry : states_)
+    stages_[entry.first] = biem::begin_stages(flow, entry.second);
+}
+
+void LammpsParticles::advance_stage(const biem::ChebyshevStage &next,
+                                    const biem::BackgroundFlow &flow, double h, double elapsed)
+{
+  for (auto &entry : states_)
+    biem::advance_stage(next, flow, h, elapsed, stages_.at(entry.first), entry.second);
 }
 
 void LammpsParticles::lay_atoms() const

@@ -26,15 +26,23 @@ class LammpsParticles : protected Pointers {
   int find_index(tagint tag) const;
   std::vector<biem::Mat3> orientations(int n_surfaces) const;
   biem::Mat3 orientation(int surface) const;
+  double radius(int molecule) const;    // largest distance of a node from the point of reference
 
   // forces (3 x n_owned) += nodal forces with the force and torque that the groups prescribe.
   void add_prescribed_loads(const NodeGroups &groups, biem::PointsRef forces) const;
   // From an evaluation: velocities of the bodies, background flow included.
   void set_motions(const biem::Evaluation &evaluation, const biem::BackgroundFlow &flow);
   void advance(biem::Stepper stepper, const biem::BackgroundFlow &flow, double dt);
+  // Within a step of several stages; see biem_rigid_motion.h.
+  void begin_stages(const biem::BackgroundFlow &flow);
+  void advance_stage(const biem::ChebyshevStage &next, const biem::BackgroundFlow &flow, double h,
+                     double elapsed);
   // Puts this rank's atoms where their bodies are, in the box of now.
   void lay_atoms() const;
+  // By molecule id. Who moves a body has to lay its atoms.
   const std::map<int, biem::RigidBody> &bodies() const { return states_; }
+  std::map<int, biem::RigidBody> &bodies() { return states_; }
+  const std::map<int, biem::RigidBodyStages> &stages() const { return stages_; }
 
   std::vector<double> get_state() const;
   const double *set_state(const double *state);    // returns what follows
@@ -52,6 +60,7 @@ class LammpsParticles : protected Pointers {
 
   std::map<int, Body> bodies_;    // by molecule id
   std::map<int, biem::RigidBody> states_;
+  std::map<int, biem::RigidBodyStages> stages_;
   // Body frames that a restart file brought, until prepare() has taken them.
   std::map<int, biem::Points> restored_frames_;
   std::vector<biem::SurfaceMesh> shapes_;

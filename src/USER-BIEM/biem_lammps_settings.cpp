@@ -24,6 +24,7 @@ constexpr double kSolverShare = 0.1;
 constexpr double kLeastTolerance = 1e-14;
 constexpr int kMostGridPoints = 4096;    // along one axis
 constexpr int kMostIterations = 10000;
+constexpr int kMostInterval = 1000000000;    // steps
 
 // A cursor over the arguments that knows how to complain.
 class Arguments : protected Pointers {
@@ -37,6 +38,13 @@ class Arguments : protected Pointers {
       error->all(FLERR, "Fix biem: keyword '" + keyword +
                             "' ends too early: a value is missing (see the page of fix biem)");
     return arg_[next_++];
+  }
+  bool yes_or_no(const std::string &keyword)
+  {
+    const std::string answer = word(keyword);
+    if (answer != "yes" && answer != "no")
+      fail(keyword + " " + answer + ": choose yes or no");
+    return answer == "yes";
   }
   // Takes the next word if it is this one.
   bool takes(const std::string &option)
@@ -171,6 +179,37 @@ void parse_solver_keyword(Arguments &arguments, const std::string &keyword, FixB
   }
 }
 
+// Ratios are at least 1; "off" leaves what cannot be computed with.
+void parse_watch(Arguments &arguments, biem::WatchLimits &w)
+{
+  if (arguments.takes("off")) {
+    w.edge_stretch = w.area_stretch = INFINITY;
+    w.fold_cosine = -2.0;
+    w.crossing_interval = 0;
+    return;
+  }
+  auto take_ratio = [&](const std::string &name, double &ratio) {
+    if (!arguments.takes(name)) return false;
+    ratio = arguments.number("watch " + name);
+    if (!(ratio > 1.0))
+      arguments.fail(fmt::format("watch {} {:.6g}: the largest ratio to the reference must be "
+                                 "larger than 1",
+                                 name, ratio));
+    return true;
+  };
+  bool has_any = false, has_more = true;
+  for (; has_more; has_any = has_any || has_more) {
+    has_more = take_ratio("edge", w.edge_stretch) || take_ratio("area", w.area_stretch);
+    if (!has_more && arguments.takes("crossings")) {
+      w.crossing_interval = arguments.integer("watch crossings", 0, kMostInterval);
+      has_more = true;
+    }
+  }
+  if (!has_any)
+    arguments.fail("keyword 'watch' needs off, or any of: edge ratio, area ratio, crossings "
+                   "interval");
+}
+
 void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSettings &s)
 {
   if (keyword == "viscosity") {
@@ -198,6 +237,14 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     s.tracers = arguments.group_name(keyword);
   } else if (keyword == "stepper") {
     s.stepper = biem::parse_stepper(arguments.word(keyword));
+  } else if (keyword == "error/tolerance") {
+    s.error_tolerance = arguments.positive(keyword);
+  } else if (keyword == "multirate") {
+    s.is_multirate = arguments.yes_or_no(keyword);
+  } else if (keyword == "hold") {
+    s.hold = biem::parse_hold(arguments.word(keyword));
+  } else if (keyword == "watch") {
+    parse_watch(arguments, s.watch);
   } else if (keyword == "traction") {
     s.suspension.traction = biem::parse_traction(arguments.word(keyword));
   } else if (keyword == "ewald") {
@@ -208,7 +255,7 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     arguments.fail(
         "unknown keyword '" + keyword +
         "': allowed are viscosity, accuracy, flow, viscosity/ratio, cells, rigid, wall, tracers, "
-        "probes, stepper, traction, solver/tolerance, solver/iterations, ewald, tune, cutoff, "
+        "probes, stepper, error/tolerance, multirate, hold, watch, traction, solver/tolerance, solver/iterations, ewald, tune, cutoff, "
         "splitting, order, grid");
   }
 }
@@ -241,6 +288,9 @@ FixBiemSettings parse_fix_biem(LAMMPS *lmp, int narg, char **arg)
     if (!given.count(needed))
       arguments.fail(std::string("keyword '") + needed +
                      "' is missing: fix ID group biem viscosity mu accuracy tolerance flow ...");
+  if (s.stepper != biem::Stepper::RungeKuttaChebyshev2 &&
+      (s.error_tolerance > 0.0 || s.is_multirate))
+    arguments.fail("error/tolerance and multirate need stepper rkc2");
   complete_surfaces(arguments, given.count("viscosity/ratio") > 0, ratio, s);
   if (!given.count("solver/tolerance")) s.suspension.control.tolerance = kSolverShare * s.accuracy;
   s.suspension.viscosity = s.viscosity * viscosity_factor(lmp);

@@ -4,6 +4,7 @@
 
 #include "biem_ewald_tuning.h"
 #include "biem_lammps_topology.h"
+#include "biem_mesh_watch.h"
 #include "biem_stepper.h"
 #include "biem_suspension.h"
 #include "lmptype.h"
@@ -27,7 +28,11 @@ struct FixBiemSettings {
   std::array<int, 3> grid{};
   Flow flow = Flow::None;
   biem::Conditions conditions;
-  biem::Stepper stepper = biem::Stepper::AdamsBashforth2;
+  biem::Stepper stepper = biem::Stepper::RungeKuttaChebyshev2;
+  double error_tolerance = 0.0;    // of a step, length; 0: the timestep is fixed
+  bool is_multirate = false;
+  biem::WatchLimits watch;
+  biem::Hold hold = biem::Hold::Volume;
   // Groups of surfaces by name, bits not set; cells without a name: all atoms in no other group.
   std::vector<SurfaceGroup> surfaces;
   std::string tracers, probes;    // group names; empty: none

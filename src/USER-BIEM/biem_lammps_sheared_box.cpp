@@ -15,9 +15,14 @@ ShearedBox::~ShearedBox()
   if (is_sheared()) domain->h_rate[4] = 0.0;
 }
 
-double ShearedBox::compute_run_strain() const
+// Counts from here on: the state is that of this step.
+void ShearedBox::rebase(bigint step, double dt)
 {
-  return rate_ * static_cast<double>(update->ntimestep - base_step_) * base_dt_;
+  base_tilt_ = tilt_;
+  base_strain_ = strain_;
+  base_step_ = last_step_ = step;
+  base_dt_ = dt;
+  base_rate_ = rate_;
 }
 
 void ShearedBox::start()
@@ -36,17 +41,20 @@ void ShearedBox::start()
     return;
   if (!is_same_box) tilt_ = domain->xz;
   is_started_ = true;
-  base_tilt_ = tilt_;
-  base_strain_ = strain_;
-  base_step_ = last_step_ = update->ntimestep;
-  base_dt_ = update->dt;
-  base_rate_ = rate_;
+  rebase(update->ntimestep, update->dt);
 }
 
-bool ShearedBox::advance()
+void ShearedBox::begin_step(double dt)
+{
+  if (is_sheared() && dt != base_dt_) rebase(update->ntimestep - 1, dt);
+}
+
+bool ShearedBox::advance(double fraction)
 {
   if (!is_sheared()) return false;
-  const double length = domain->xprd, run_strain = compute_run_strain();
+  const double length = domain->xprd;
+  const double n_steps = static_cast<double>(update->ntimestep - 1 - base_step_) + fraction;
+  const double run_strain = rate_ * n_steps * base_dt_;
   strain_ = base_strain_ + run_strain;
   tilt_ = base_tilt_ + domain->zprd * run_strain;
   last_step_ = update->ntimestep;

@@ -19,8 +19,10 @@ class ShearedBox : protected Pointers {
   // Start of a run, or a new timestep: continues the count of the tilt, or starts it anew where the
   // box, the timestep or the count of steps has been changed from outside.
   void start();
-  // Sets the tilt of the present step. True if the box must be flipped at once.
-  bool advance();
+  // Before the step to the present count of steps, which is to be of length dt.
+  void begin_step(double dt);
+  // Sets the tilt of this part of the present step, 0 to 1. True if the box should be flipped.
+  bool advance(double fraction);
   // Flips the box if its tilt has passed one half, and moves the atoms to their new ranks.
   void flip_if_needed();
 
@@ -32,7 +34,7 @@ class ShearedBox : protected Pointers {
   void set_state(const double *state);
 
  private:
-  double compute_run_strain() const;
+  void rebase(bigint step, double dt);
 
   double rate_;
   // At step n: strain = base strain + rate (n - base_step) base_dt, unflipped tilt likewise, so

@@ -15,8 +15,9 @@ namespace LAMMPS_NS {
 
 namespace {
 
-// Edges may grow to this multiple of the longest edge at the start of a run.
-constexpr double kEdgeGrowth = 1.6;
+// Edges may grow to this multiple of the longest edge at the start of a run: within what is
+// communicated, and in the near list, where it costs less.
+constexpr double kEdgeGrowth = 1.6, kListGrowth = 2.0;
 
 // Flat parts of surfaces that may be within the cutoff of a node, its own included.
 constexpr double kSurfacesInReach = 4.0;
@@ -33,8 +34,8 @@ void LammpsSolver::prepare(const NodeGroups &groups, double max_tilt)
   survey_ = survey_meshes(lmp, groups);
   check_lengths();
   check_overlaps(lmp, groups, survey_,
-                 volumes_.reference.empty() ? RunStart::First : RunStart::Continued);
-  keep_volumes();
+                 cells_.reference_volume.empty() ? RunStart::First : RunStart::Continued);
+  keep_references();
   groups_ = groups;
   guarded(lmp, "Fix biem", [&] { make_suspension(max_tilt); });
   set_cutoffs();
@@ -69,16 +70,18 @@ void LammpsSolver::check_lengths() const
                                   survey_.longest_edge, shortest));
 }
 
-void LammpsSolver::keep_volumes()
+void LammpsSolver::keep_references()
 {
-  if (volumes_.reference.empty())
-    volumes_.reference = survey_.volumes;
-  else if (static_cast<int>(volumes_.reference.size()) != survey_.n_molecules)
+  if (cells_.reference_volume.empty()) {
+    cells_.reference_volume = survey_.volumes;
+    cells_.reference_area = survey_.areas;
+  } else if (static_cast<int>(cells_.reference_volume.size()) != survey_.n_molecules)
     error->all(FLERR,
                fmt::format("Fix biem: the number of surfaces has changed from {} to {} since "
                            "the fix was defined; define it anew",
-                           volumes_.reference.size(), survey_.n_molecules));
-  volumes_.current.resize(survey_.n_molecules);
+                           cells_.reference_volume.size(), survey_.n_molecules));
+  cells_.volume.resize(survey_.n_molecules);
+  cells_.hold = settings_.hold;
   set_timestep(update->dt);
 }
 
@@ -211,7 +214,7 @@ double LammpsSolver::expected_error() const
 void LammpsSolver::set_cutoffs()
 {
   const double edge = kEdgeGrowth * survey_.longest_edge;
-  list_cutoff_ = edge + kEdgeGrowth * biem::kNearFactor * survey_.longest_mean_edge;
+  list_cutoff_ = kListGrowth * (survey_.longest_edge + biem::kNearFactor * survey_.longest_mean_edge);
   set_list_size();
   double cutoff = force_parameters_.values().cutoff;
   if (has_unknowns_) cutoff = std::max(cutoff, coupled_parameters_.values().cutoff);
@@ -246,9 +249,20 @@ std::string LammpsSolver::who() const
   return "Fix biem: step " + std::to_string(update->ntimestep);
 }
 
-void LammpsSolver::refresh(NeighList *list)
+std::string LammpsSolver::refresh(NeighList *list)
 {
-  guarded(lmp, who(), [&] { configuration_->refresh(list); });
+  configuration_->refresh(list);
+  struct {
+    double length;
+    int molecule;
+  } longest = {configuration_->lost_edge(), configuration_->lost_molecule()}, all;
+  MPI_Allreduce(&longest, &all, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
+  if (all.length == 0.0) return "";
+  return fmt::format("molecule {} has an edge of length {:.4g}: triangles have stretched beyond the "
+                     "reach of the neighbor list ({:.4g}). Either the timestep is too large, or the "
+                     "membrane too soft for this flow; if it may stretch so far, go on in a new "
+                     "run, which makes lists for the edges that it finds",
+                     all.molecule, all.length, list_cutoff_);
 }
 
 biem::Evaluation LammpsSolver::evaluate(const biem::CoupledFields &guess)
@@ -259,26 +273,67 @@ biem::Evaluation LammpsSolver::evaluate(const biem::CoupledFields &guess)
   return guarded(lmp, who(), [&] {
     biem::Evaluation e =
         suspension_->evaluate(configuration_->get(particles.orientations(survey_.n_molecules)),
-                              forces, settings_.conditions, guess, volumes_, exchange);
+                              forces, settings_.conditions, guess, cells_, exchange);
     if (!particles.is_empty()) particles.set_motions(e, settings_.conditions.flow);
     return e;
   });
 }
 
+biem::Points LammpsSolver::evaluate_fast()
+{
+  suspension_->set_cell(get_cell(lmp), get_origin(lmp));
+  const Eigen::Map<const biem::Points> forces(atom->f[0], 3, atom->nlocal);
+  return guarded(lmp, who(), [&] {
+    return suspension_->evaluate_fast(
+        configuration_->get(particles.orientations(survey_.n_molecules)), forces, exchange);
+  });
+}
+
+biem::Points LammpsSolver::evaluate_fast(biem::PointsView slow)
+{
+  biem::Points velocity = evaluate_fast() + slow;
+  guarded(lmp, who(), [&] {
+    suspension_->hold(configuration_->get(particles.orientations(survey_.n_molecules)),
+                      settings_.conditions.flow, cells_, velocity, exchange);
+  });
+  return velocity;
+}
+
+biem::Points LammpsSolver::compute_hold_correction()
+{
+  return guarded(lmp, who(), [&] {
+    return suspension_->compute_hold_correction(
+        configuration_->get(particles.orientations(survey_.n_molecules)), cells_, exchange);
+  });
+}
+
+double LammpsSolver::volume_error(size_t cell) const
+{
+  if (scene_->surfaces[cell].kind != biem::SurfaceKind::Cell) return 0.0;
+  return std::fabs(cells_.volume[cell] / cells_.reference_volume[cell] - 1.0);
+}
+
 double LammpsSolver::volume_error() const
 {
-  double largest = 0.0;
-  for (size_t c = 0; c < volumes_.reference.size(); c++)
-    if (scene_->surfaces[c].kind == biem::SurfaceKind::Cell)
-      largest = std::max(largest, std::fabs(volumes_.current[c] / volumes_.reference[c] - 1.0));
-  return largest;
+  const int worst = worst_volume();
+  return worst == 0 ? 0.0 : volume_error(worst - 1);
+}
+
+int LammpsSolver::worst_volume() const
+{
+  size_t worst = 0;
+  for (size_t c = 0; c < cells_.volume.size(); c++)
+    if (volume_error(c) > volume_error(worst)) worst = c;
+  return cells_.volume.empty() ? 0 : static_cast<int>(worst) + 1;
 }
 
 std::vector<double> LammpsSolver::get_state() const
 {
-  std::vector<double> state = {own_comm_cutoff_, static_cast<double>(volumes_.reference.size())};
-  for (const std::vector<double> &part : {volumes_.reference, force_parameters_.get_state(),
-                                          coupled_parameters_.get_state(), particles.get_state()})
+  std::vector<double> state = {own_comm_cutoff_,
+                               static_cast<double>(cells_.reference_volume.size())};
+  for (const std::vector<double> &part :
+       {cells_.reference_volume, cells_.reference_area, force_parameters_.get_state(),
+        coupled_parameters_.get_state(), particles.get_state()})
     state.insert(state.end(), part.begin(), part.end());
   return state;
 }
@@ -287,8 +342,10 @@ const double *LammpsSolver::set_state(const double *state)
 {
   own_comm_cutoff_ = *state++;
   const int n_cells = static_cast<int>(*state++);
-  volumes_.reference.assign(state, state + n_cells);
-  state += n_cells;
+  for (std::vector<double> *reference : {&cells_.reference_volume, &cells_.reference_area}) {
+    reference->assign(state, state + n_cells);
+    state += n_cells;
+  }
   for (LammpsParameters *parameters : {&force_parameters_, &coupled_parameters_}) {
     parameters->set_state(state);
     state += LammpsParameters::kStateSize;

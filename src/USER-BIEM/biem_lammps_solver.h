@@ -1,5 +1,6 @@
 // The flow solver of one simulation on LAMMPS' atoms: surveys the meshes, chooses the parameters,
-// holds the suspension and its volumes, evaluates velocities. Knows no input script and no stepper.
+// holds the suspension and what it keeps of its cells, evaluates velocities. Knows no input script
+// and no stepper.
 #ifndef BIEM_LAMMPS_SOLVER_H
 #define BIEM_LAMMPS_SOLVER_H
 
@@ -23,15 +24,26 @@ class LammpsSolver : protected Pointers {
   void prepare(const NodeGroups &groups, double max_tilt);
   // Cutoff of the near list without skin, for the neighbor request.
   double list_cutoff() const { return list_cutoff_; }
-  // dt: volume errors decay over ten steps.
-  void set_timestep(double dt) { volumes_.relaxation_rate = 0.1 / dt; }
-  void refresh(NeighList *list);
+  // dt: errors of volumes and areas decay over ten steps.
+  void set_timestep(double dt) { cells_.relaxation_rate = 0.1 / dt; }
+  // Where edges have grown beyond the reach of the list: which, and what to do. Collective.
+  std::string refresh(NeighList *list);
   // Velocities, tractions and areas of the owned atoms for the present forces. guess: of the
-  // coupled system's solution; empty: none. Collective.
+  // coupled system's solution; empty: none. Collective. Throws biem::NotConverged.
   biem::Evaluation evaluate(const biem::CoupledFields &guess);
+
+  // The part of the velocities that follows the membranes' forces at once (3 x n_owned), with all
+  // of the rest (slow) added to it and what is held taken care of.
+  biem::Points evaluate_fast();
+  biem::Points evaluate_fast(biem::PointsView slow);
+  // Displacements of the owned atoms that bring the cells back to what is held of them.
+  biem::Points compute_hold_correction();
+  // Least gap / closing speed over all pairs of near surfaces. Collective.
+  double find_closing_time(double **array, int column, const biem::BackgroundFlow &flow);
 
   double longest_edge() const { return survey_.longest_edge; }    // at the start of the run
   double volume_error() const;    // largest relative error over the cells
+  int worst_volume() const;       // molecule id of the cell that has it
   bool has_unknowns() const { return has_unknowns_; }
   const biem::Scene &scene() const { return *scene_; }
   // Number of the surface of an owned atom, or -1; what its group has in common, or null.
@@ -52,9 +64,10 @@ class LammpsSolver : protected Pointers {
   LammpsParticles particles;
 
  private:
+  double volume_error(size_t cell) const;
   std::string who() const;    // start of an error message
   void check_lengths() const;
-  void keep_volumes();
+  void keep_references();
   void make_suspension(double max_tilt);
   biem::Scene make_scene();
   void add_connectivities(biem::Scene &scene);
@@ -75,7 +88,7 @@ class LammpsSolver : protected Pointers {
   std::unique_ptr<biem::Suspension> suspension_;
   // Of the sum over membrane forces, and of those of the coupled system: fewer points.
   LammpsParameters force_parameters_, coupled_parameters_;
-  biem::CellVolumes volumes_;
+  biem::HeldCells cells_;
   double list_cutoff_ = 0.0;
   double own_comm_cutoff_ = -1.0;    // what prepare() has set itself
   double user_comm_cutoff_ = 0.0;    // what it was before

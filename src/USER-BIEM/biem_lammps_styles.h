@@ -10,10 +10,12 @@
 #include "create_wall.h"
 #include "dihedral_biem_bend.h"
 #include "fix_biem.h"
+#include "pair_biem_contact.h"
 
 #define BIEM_STYLES(STYLE)                                 \
   STYLE(angle, "biem/skalak", Angle, AngleBiemSkalak)      \
   STYLE(dihedral, "biem/bend", Dihedral, DihedralBiemBend) \
+  STYLE(pair, "biem/contact", Pair, PairBiemContact)       \
   STYLE(compute, "biem/cell", Compute, ComputeBiemCell)    \
   STYLE(fix, "biem", Fix, FixBiem)                         \
   STYLE(command, "create_cells", Command, CreateCells)     \

@@ -20,6 +20,11 @@ using namespace LAMMPS_NS;
 
 namespace {
 
+template <class Style> void add_pair(LAMMPS *lmp, const char *name)
+{
+  (*lmp->force->pair_map)[name] = &create_style<Pair, Style>;
+}
+
 template <class Style> void add_angle(LAMMPS *lmp, const char *name)
 {
   (*lmp->force->angle_map)[name] = &create_style<Angle, Style>;
@@ -52,9 +57,9 @@ void add_styles(LAMMPS *lmp)
 #undef BIEM_ADD
 }
 
-// `clear` makes new, empty lists of angle, dihedral, compute and fix styles, but keeps the list of
-// commands.  No style of ours can be used before there is a box, and a box comes from one of these
-// three commands only: each adds our styles again before it does its own work.
+// `clear` makes new, empty lists of pair, angle, dihedral, compute and fix styles, but keeps the
+// list of commands.  No style of ours can be used before there is a box, and a box comes from one
+// of these three commands only: each adds our styles again before it does its own work.
 constexpr int n_box_commands = 3;
 const char *const box_commands[n_box_commands] = {"create_box", "read_data", "read_restart"};
 Input::CommandCreator original_creators[n_box_commands];

@@ -3,6 +3,9 @@
 
 #include "biem_mesh_obstacles.h"
 
+#include <map>
+#include <numeric>
+
 namespace biem {
 namespace {
 
@@ -65,43 +68,92 @@ CrossingBins::CrossingBins(const MeshLattice &lattice, double width) : lattice_(
 }
 
 // low is not negative, so that the remainder of a division by the number of bins is the bin.
-void CrossingBins::find_range(const SurfaceTriangle &t, int axis, int &low, int &high) const
+CrossingBins::Box CrossingBins::find_box(const SurfaceTriangle &t) const
 {
-  double smallest = 0.0, largest = 0.0;
-  for (int k = 0; k < 3; k++) {
-    const double s = lattice_.compute_fractional(t.corner(k))[axis];
-    smallest = k == 0 ? s : std::min(smallest, s);
-    largest = k == 0 ? s : std::max(largest, s);
+  const Vec3 s0 = lattice_.compute_fractional(t.corner(0)),
+             s1 = lattice_.compute_fractional(t.corner(1)),
+             s2 = lattice_.compute_fractional(t.corner(2));
+  Box box;
+  for (int a = 0; a < 3; a++) {
+    const int n = n_[a];
+    const double start = std::floor(std::min({s0[a], s1[a], s2[a]}) * n);
+    const double end = std::floor(std::max({s0[a], s1[a], s2[a]}) * n);
+    const bool is_around = !(end - start + 1.0 < n);
+    const double image = is_around ? 0.0 : std::floor(start / n);
+    box.image[a] = static_cast<std::int64_t>(image);
+    box.low[a] = is_around ? 0 : static_cast<int>(start - n * image);
+    box.high[a] = is_around ? n - 1 : box.low[a] + static_cast<int>(end - start);
+    box.is_around = box.is_around || is_around;
   }
-  const int n = n_[axis];
-  const double start = std::floor(smallest * n), end = std::floor(largest * n);
-  low = 0;
-  high = n - 1;
-  if (end - start + 1.0 >= n) return;
-  low = static_cast<int>(start - n * std::floor(start / n));
-  high = low + static_cast<int>(end - start);
+  return box;
 }
 
-std::optional<Crossing> find_crossing(const MeshLattice &lattice,
-                                      std::vector<SurfaceTriangle> &triangles)
+// The images of one surface that share a bin are close to each other: eleven bits tell them apart.
+std::uint64_t CrossingBins::find_occupant(const SurfaceTriangle &t, const Box &box, bool next_x,
+                                          bool next_y, bool next_z)
 {
-  std::sort(triangles.begin(), triangles.end(),
-            [](const SurfaceTriangle &a, const SurfaceTriangle &b) { return a.bin < b.bin; });
+  if (t.is_sheet) return kSheets;
+  if (box.is_around) return kSeveral;
+  const bool next[3] = {next_x, next_y, next_z};
+  std::uint64_t occupant = t.surface;
+  for (int a = 0; a < 3; a++)
+    occupant = (occupant << 11) | (static_cast<std::uint64_t>(box.image[a] + next[a]) & 2047);
+  return occupant;
+}
+
+// Of the bin, or the free one where it belongs. Linear probing; the multiplier spreads neighboring
+// bins (Knuth, The Art of Computer Programming 3, Section 6.4: Fibonacci hashing).
+std::size_t BinOccupants::find_slot(std::int64_t bin) const
+{
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = (static_cast<std::uint64_t>(bin) * 0x9E3779B97F4A7C15u >> 20) & mask;
+  while (slots_[slot].bin != bin && slots_[slot].bin >= 0) slot = (slot + 1) & mask;
+  return slot;
+}
+
+void BinOccupants::add(std::int64_t bin, std::uint64_t occupant)
+{
+  Slot &slot = slots_[find_slot(bin)];
+  if (slot.bin >= 0) {
+    if (slot.occupant != occupant) slot.occupant = kSeveral;
+    return;
+  }
+  slot = {bin, occupant};
+  if (++n_bins_ > slots_.size() / 2) grow();
+}
+
+void BinOccupants::grow()
+{
+  const std::vector<Slot> old = std::move(slots_);
+  slots_ = std::vector<Slot>(4 * old.size());
+  for (const Slot &slot : old)
+    if (slot.bin >= 0) slots_[find_slot(slot.bin)] = slot;
+}
+
+std::vector<Crossing> find_crossings(const MeshLattice &lattice,
+                                     const std::vector<SurfaceTriangle> &triangles)
+{
+  std::vector<int> order(triangles.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::pair(triangles[a].bin, a) < std::pair(triangles[b].bin, b);
+  });
   std::vector<Plane> planes;
   for (const SurfaceTriangle &t : triangles) planes.push_back(make_plane(t));
-  std::optional<Crossing> result;
-  for (size_t first = 0, end; first < triangles.size(); first = end) {
-    for (end = first; end < triangles.size() && triangles[end].bin == triangles[first].bin;) end++;
-    for (size_t i = first; i < end; i++)
-      for (size_t j = i + 1; j < end; j++) {
-        const SurfaceTriangle &s = triangles[i], &t = triangles[j];
-        if (s.is_sheet && t.is_sheet) continue;
-        const int low = std::min(s.surface, t.surface), high = std::max(s.surface, t.surface);
-        if (result && std::pair(low, high) >= std::pair(result->first, result->second)) continue;
-        if (do_cross(lattice, s, planes[i], t, planes[j]))
-          result = Crossing{low, high, planes[i].center};
-      }
+  std::map<std::pair<int, int>, Vec3> found;
+  for (size_t i = 0; i < order.size(); i++) {
+    const SurfaceTriangle &s = triangles[order[i]];
+    for (size_t j = i + 1; j < order.size() && triangles[order[j]].bin == s.bin; j++) {
+      const SurfaceTriangle &t = triangles[order[j]];
+      if (s.occupant == t.occupant && s.occupant != kSeveral) continue;
+      const Plane &plane_s = planes[order[i]], &plane_t = planes[order[j]];
+      if (!do_cross(lattice, s, plane_s, t, plane_t)) continue;
+      found.insert({std::minmax(s.surface, t.surface), plane_s.center});
+    }
   }
+  std::vector<Crossing> result;
+  for (const auto &[pair, where] : found)
+    result.push_back({pair.first, pair.second, {where[0], where[1], where[2]}});
   return result;
 }
 

@@ -80,6 +80,52 @@ void advance(Stepper stepper, const BackgroundFlow &flow, double dt, RigidBody &
   body.previous_dt = dt;
 }
 
+RigidBodyStages begin_stages(const BackgroundFlow &flow, const RigidBody &body)
+{
+  RigidBodyStages stages;
+  stages.start_orientation = body.orientation;
+  stages.start_rotation = body.rotation;
+  stages.start_rate = compute_displacement_rate(flow, stages, body);
+  return stages;
+}
+
+Vec3 compute_displacement_rate(const BackgroundFlow &flow, const RigidBodyStages &stages,
+                               const RigidBody &body)
+{
+  return body.velocity - flow.velocity(body.position) + flow.mean +
+         flow.gradient * stages.displacement;
+}
+
+// The series of the inverse of the derivative of the exponential (Iserles et al., Acta Numerica 9,
+// 215, 2000), to terms of fifth order in the turn of one step.
+Vec3 compute_turn_rate(const RigidBodyStages &stages, const RigidBody &body)
+{
+  const Vec3 once = stages.turn.cross(body.rotation);
+  return body.rotation - 0.5 * once + stages.turn.cross(once) / 12.0;
+}
+
+void advance_stage(const ChebyshevStage &next, const BackgroundFlow &flow, double h, double elapsed,
+                   RigidBodyStages &stages, RigidBody &body)
+{
+  const Vec3 rate = compute_displacement_rate(flow, stages, body);
+  const Vec3 displacement = combine(next, stages.displacement, stages.previous_displacement,
+                                    h * rate, h * stages.start_rate);
+  const Vec3 turn = combine(next, stages.turn, stages.previous_turn,
+                            h * compute_turn_rate(stages, body), h * stages.start_rotation);
+  const Vec3 carried = body.position - stages.displacement;
+  body.position = carried + elapsed * flow.gradient * carried + displacement;
+  body.orientation = (compute_exponential(turn) * stages.start_orientation).normalized();
+  stages.previous_displacement = stages.displacement;
+  stages.previous_turn = stages.turn;
+  stages.displacement = displacement;
+  stages.turn = turn;
+}
+
+void turn_body(const Vec3 &turn, RigidBody &body)
+{
+  body.orientation = (compute_exponential(turn) * body.orientation).normalized();
+}
+
 std::array<double, kRigidBodyValues> to_values(const RigidBody &body)
 {
   std::array<double, kRigidBodyValues> values;

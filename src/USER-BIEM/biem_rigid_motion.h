@@ -5,6 +5,7 @@
 
 #include "biem_flow.h"
 #include "biem_stepper.h"
+#include "biem_stepper_rkc.h"
 #include "biem_types.h"
 #include <optional>
 
@@ -52,6 +53,27 @@ inline Vec3 compute_reference_velocity(const RigidBody &body, const Vec3 &veloci
 // as for a free node (BackgroundFlow::displacement); the orientation turns by the exponential of
 // the mean rotation of the step, which is of second order with Adams-Bashforth 2 and variable dt.
 void advance(Stepper stepper, const BackgroundFlow &flow, double dt, RigidBody &body);
+
+// A body within a step of several stages. Displacements are what a free node's are: relative to
+// where the linear part of the flow alone would take the place of the start.
+struct RigidBodyStages {
+  Vec3 displacement = Vec3::Zero(), previous_displacement = Vec3::Zero();
+  Vec3 turn = Vec3::Zero(), previous_turn = Vec3::Zero();    // rotation vector since the start
+  Vec3 start_rate, start_rotation;                           // of displacement and turn
+  Eigen::Quaterniond start_orientation;
+};
+
+RigidBodyStages begin_stages(const BackgroundFlow &flow, const RigidBody &body);
+// From one stage to the next of a step h, with the body's velocity and rotation of now; elapsed:
+// time between the two.
+void advance_stage(const ChebyshevStage &next, const BackgroundFlow &flow, double h, double elapsed,
+                   RigidBodyStages &stages, RigidBody &body);
+// Rates of displacement and turn now, as the error estimate needs them at the end of a step.
+Vec3 compute_displacement_rate(const BackgroundFlow &flow, const RigidBodyStages &stages,
+                               const RigidBody &body);
+Vec3 compute_turn_rate(const RigidBodyStages &stages, const RigidBody &body);
+// Turns a body about its reference point by a rotation vector.
+void turn_body(const Vec3 &turn, RigidBody &body);
 
 // All of a body as plain numbers, for restart files: from_values(to_values(b)) continues exactly.
 constexpr int kRigidBodyValues = 20;

@@ -65,23 +65,30 @@ void Suspension::set_force_geometry(const Configuration &c, PointsView forces,
   if (has_forces_) force_surfaces_.set_geometry(c, exchange);
 }
 
-void Suspension::measure_volumes(const Configuration &c, CellVolumes &volumes,
-                                 NodeExchange &exchange) const
+// Volumes and areas in one sum.
+void Suspension::measure_cells(const Configuration &c, HeldCells &cells,
+                               NodeExchange &exchange) const
 {
-  std::fill(volumes.current.begin(), volumes.current.end(), 0.0);
-  if (!scene_.has(SurfaceKind::Cell)) return;
-  const std::vector<int> &parents = force_surfaces_.parents();
-  for (size_t e = 0; e < parents.size(); e++) {
-    const int s = c.surface_of_triangle[parents[e]];
-    if (scene_.surfaces[s].kind == SurfaceKind::Cell)
-      volumes.current[s] +=
-          force_surfaces_.elements().volume(static_cast<int>(e), -c.triangle_shift.col(parents[e]));
+  const size_t n = scene_.surfaces.size();
+  std::vector<double> sums(2 * n, 0.0);
+  if (scene_.has(SurfaceKind::Cell)) {
+    const std::vector<int> &parents = force_surfaces_.parents();
+    const SurfaceElements &elements = force_surfaces_.elements();
+    for (int e = 0; e < static_cast<int>(parents.size()); e++) {
+      const int s = c.surface_of_triangle[parents[e]];
+      if (scene_.surfaces[s].kind != SurfaceKind::Cell) continue;
+      sums[s] += elements.volume(e, -c.triangle_shift.col(parents[e]));
+      sums[n + s] += elements.area(e);
+    }
+    exchange.sum(sums.data(), static_cast<int>(sums.size()));
   }
-  exchange.sum(volumes.current.data(), static_cast<int>(volumes.current.size()));
+  const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(n);
+  cells.volume.assign(sums.begin(), middle);
+  cells.area.assign(middle, sums.end());
 }
 
 // 3 x n_all, ghosts filled.
-Points Suspension::compute_traction(const Configuration &c, PointsView forces,
+Points Suspension::compute_traction(const Configuration &c, PointsView forces, Sources sources,
                                     NodeExchange &exchange) const
 {
   const Eigen::VectorXd &areas = force_surfaces_.areas();
@@ -100,7 +107,7 @@ Points Suspension::compute_traction(const Configuration &c, PointsView forces,
     const Points residual = forces - product.leftCols(c.n_owned);
     divide_by_area(residual, density);
   }
-  if (has_body_forces_) spread_body_forces(c, forces, density, exchange);
+  if (has_body_forces_ && sources == Sources::All) spread_body_forces(c, forces, density, exchange);
   exchange.forward(density.data(), 3);
   return density;
 }
@@ -141,36 +148,94 @@ void Suspension::spread_body_forces(const Configuration &c, PointsView forces, P
 
 Evaluation Suspension::evaluate(const Configuration &c, PointsView forces,
                                 const Conditions &conditions, const CoupledFields &guess,
-                                CellVolumes &volumes, NodeExchange &exchange)
+                                HeldCells &cells, NodeExchange &exchange)
 {
   set_force_geometry(c, forces, exchange);
   if (has_unknowns_) coupled_->set_geometry(c, exchange);
-  measure_volumes(c, volumes, exchange);
+  measure_cells(c, cells, exchange);
 
   Evaluation result;
   result.velocity = result.traction = Points::Zero(3, c.n_owned);
   result.areas = Eigen::VectorXd::Zero(c.n_owned);
   if (has_forces_) {
     result.areas = force_surfaces_.areas();
-    const Points density = compute_traction(c, forces, exchange);
+    const Points density = compute_traction(c, forces, Sources::All, exchange);
     result.traction = density.leftCols(c.n_owned);
-    force_operator_.set_geometry(force_surfaces_.share(c), Layers::Single, exchange);
-    result.velocity = force_operator_.apply(Layers::Single, density, Points(3, 0), exchange) /
-                      (8.0 * M_PI * settings_.viscosity);
+    result.velocity = apply_forces(c, density, exchange);
   }
   Vec3 force = forces.rowwise().sum();
   exchange.sum(force.data(), 3);
   result.mean_velocity = conditions.flow.mean;
   result.pressure_drop = -force / volume_;
   if (has_unknowns_) solve_coupled(c, forces, conditions, guess, result, exchange);
-  if (!volumes.reference.empty() && scene_.has(SurfaceKind::Cell)) {
-    std::vector<int> cell_of_node(c.n_owned, -1);
-    for (int i = 0; i < c.n_owned; i++)
-      if (is_kind(c, i, SurfaceKind::Cell)) cell_of_node[i] = c.surface_of_node[i];
-    project_volume(cell_of_node, force_surfaces_.volume_gradient(), volumes, exchange,
-                   result.velocity);
-  }
+  hold_cells(c, conditions.flow, cells, result.velocity, exchange);
   return result;
+}
+
+// traction: 3 x n_all, ghosts filled.
+Points Suspension::apply_forces(const Configuration &c, PointsView traction,
+                                NodeExchange &exchange)
+{
+  force_operator_.set_geometry(force_surfaces_.share(c), Layers::Single, exchange);
+  return force_operator_.apply(Layers::Single, traction, Points(3, 0), exchange) /
+         (8.0 * M_PI * settings_.viscosity);
+}
+
+Points Suspension::evaluate_fast(const Configuration &c, PointsView forces,
+                                 NodeExchange &exchange)
+{
+  set_force_geometry(c, forces, exchange);
+  if (!scene_.has(SurfaceKind::Cell)) return Points::Zero(3, c.n_owned);
+  Points velocity =
+      apply_forces(c, compute_traction(c, forces, Sources::Cells, exchange), exchange);
+  for (int i = 0; i < c.n_owned; i++) {
+    const int s = c.surface_of_node[i];
+    if (s < 0) continue;
+    const Surface &surface = scene_.surfaces[s];
+    velocity.col(i) *=
+        surface.kind == SurfaceKind::Cell ? 2.0 / (1.0 + surface.viscosity_ratio) : 0.0;
+  }
+  return velocity;
+}
+
+void Suspension::hold(const Configuration &c, const BackgroundFlow &flow, HeldCells &cells,
+                      PointsRef velocity, NodeExchange &exchange)
+{
+  measure_cells(c, cells, exchange);
+  hold_cells(c, flow, cells, velocity, exchange);
+}
+
+Points Suspension::compute_hold_correction(const Configuration &c, HeldCells &cells,
+                                           NodeExchange &exchange)
+{
+  Points displacement = Points::Zero(3, c.n_owned);
+  if (cells.hold == Hold::None || !scene_.has(SurfaceKind::Cell)) return displacement;
+  force_surfaces_.set_geometry(c, exchange);
+  measure_cells(c, cells, exchange);
+  HeldCells all_at_once = cells;
+  all_at_once.relaxation_rate = 1.0;
+  hold_cells(c, BackgroundFlow(), all_at_once, displacement, exchange);
+  return displacement;
+}
+
+void Suspension::hold_cells(const Configuration &c, const BackgroundFlow &flow,
+                            const HeldCells &cells, PointsRef velocity,
+                            NodeExchange &exchange) const
+{
+  if (cells.reference_volume.empty() || !scene_.has(SurfaceKind::Cell)) return;
+  std::vector<int> cell_of_node(c.n_owned, -1);
+  for (int i = 0; i < c.n_owned; i++)
+    if (is_kind(c, i, SurfaceKind::Cell)) cell_of_node[i] = c.surface_of_node[i];
+  Points area_gradient;
+  if (cells.hold == Hold::VolumeAndArea) {
+    area_gradient = Points::Zero(3, c.nodes.cols());
+    force_surfaces_.elements().add_area_gradient(area_gradient);
+    exchange.reverse_add(area_gradient.data(), 3);
+  }
+  project_held(
+      cells,
+      {cell_of_node, force_surfaces_.volume_gradient(), area_gradient, c.unwrapped, flow.gradient},
+      exchange, velocity);
 }
 
 // result comes with the velocity that the forces alone cause and leaves with all of it.
@@ -280,30 +345,6 @@ void Suspension::add_stresslets(const Configuration &c, PointsView forces, Evalu
 OperatorProfile Suspension::coupled_profile() const
 {
   return coupled_ ? coupled_->profile() : OperatorProfile();
-}
-
-void project_volume(const std::vector<int> &cell_of_node, PointsView gradient,
-                    const CellVolumes &volumes, NodeExchange &exchange, PointsRef velocity)
-{
-  const size_t n_cells = volumes.reference.size();
-  std::vector<double> sums(2 * n_cells, 0.0);    // flux and total |g| of each cell
-  const auto n = static_cast<Eigen::Index>(cell_of_node.size());
-  for (Eigen::Index i = 0; i < n; i++) {
-    const int cell = cell_of_node[i];
-    if (cell < 0) continue;
-    sums[2 * cell] += velocity.col(i).dot(gradient.col(i));
-    sums[2 * cell + 1] += gradient.col(i).norm();
-  }
-  exchange.sum(sums.data(), static_cast<int>(sums.size()));
-  for (Eigen::Index i = 0; i < n; i++) {
-    const int cell = cell_of_node[i];
-    const double size = gradient.col(i).norm();
-    if (cell < 0 || size == 0.0) continue;
-    const double wanted =
-        volumes.relaxation_rate * (volumes.reference[cell] - volumes.current[cell]);
-    const double alpha = (sums[2 * cell] - wanted) / sums[2 * cell + 1];
-    velocity.col(i) -= alpha / size * gradient.col(i);
-  }
 }
 
 }    // namespace biem

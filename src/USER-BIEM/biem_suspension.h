@@ -1,14 +1,15 @@
 // One evaluation of Eq. 5 of Zhao et al. 2012 for a whole scene: forces on the nodes of all
 // surfaces in, velocities of all nodes out. Membrane forces act through the single
 // layer; what else there is (other inside viscosities, rigid particles, walls) is the coupled
-// system's, built only where the scene has it. A projection keeps every cell's volume. Knows no
-// constitutive law and no time.
+// system's, built only where the scene has it. A projection holds what is to be held of every cell.
+// Knows no constitutive law and no time.
 #ifndef BIEM_SUSPENSION_H
 #define BIEM_SUSPENSION_H
 
 #include "biem_body_load.h"
 #include "biem_coupled_system.h"
 #include "biem_flow.h"
+#include "biem_surface_hold.h"
 
 namespace biem {
 
@@ -29,13 +30,6 @@ struct SuspensionSettings {
 // other points and layers.
 struct SumParameters {
   EwaldParameters forces, coupled;
-};
-
-// Volumes of the cells and how they are held, by surface.
-struct CellVolumes {
-  std::vector<double> reference;    // empty: no projection
-  std::vector<double> current;      // filled by evaluate(); of cells only
-  double relaxation_rate = 0.0;     // [1/time] at which a volume error decays
 };
 
 struct Conditions {
@@ -74,16 +68,35 @@ class Suspension {
   // walls none may act. guess: of the coupled system's solution; empty: zero. Collective. Throws
   // Error on collapsed elements, NotConverged.
   Evaluation evaluate(const Configuration &configuration, PointsView forces,
-                      const Conditions &conditions, const CoupledFields &guess,
-                      CellVolumes &volumes, NodeExchange &exchange);
+                      const Conditions &conditions, const CoupledFields &guess, HeldCells &cells,
+                      NodeExchange &exchange);
+
+  // The part of the velocities (3 x n_owned) that follows the membranes' forces at once: their
+  // single layer, on a cell times 2/(1 + viscosity ratio), which is what the whole system makes of
+  // short waves. Zero on particles and walls. Collective.
+  Points evaluate_fast(const Configuration &configuration, PointsView forces,
+                       NodeExchange &exchange);
+  // As evaluate() does with its velocities. After evaluate_fast() or evaluate() at these positions.
+  void hold(const Configuration &configuration, const BackgroundFlow &flow, HeldCells &cells,
+            PointsRef velocity, NodeExchange &exchange);
+  // Displacements (3 x n_owned) that bring held volumes and areas of the cells back to their
+  // references, to first order; after evaluate() for a configuration of the same version, the nodes
+  // of which may have moved. Collective.
+  Points compute_hold_correction(const Configuration &configuration, HeldCells &cells,
+                                 NodeExchange &exchange);
 
   OperatorProfile force_profile() const { return force_operator_.profile(); }
   OperatorProfile coupled_profile() const;
 
  private:
   void set_force_geometry(const Configuration &c, PointsView forces, NodeExchange &exchange);
-  void measure_volumes(const Configuration &c, CellVolumes &volumes, NodeExchange &exchange) const;
-  Points compute_traction(const Configuration &c, PointsView forces, NodeExchange &exchange) const;
+  void measure_cells(const Configuration &c, HeldCells &cells, NodeExchange &exchange) const;
+  void hold_cells(const Configuration &c, const BackgroundFlow &flow, const HeldCells &cells,
+                  PointsRef velocity, NodeExchange &exchange) const;
+  enum class Sources { All, Cells };
+  Points compute_traction(const Configuration &c, PointsView forces, Sources sources,
+                          NodeExchange &exchange) const;
+  Points apply_forces(const Configuration &c, PointsView traction, NodeExchange &exchange);
   void spread_body_forces(const Configuration &c, PointsView forces, PointsRef density,
                           NodeExchange &exchange) const;
   void solve_coupled(const Configuration &c, PointsView forces, const Conditions &conditions,
@@ -104,12 +117,6 @@ class Suspension {
   std::vector<BodyLoad> body_loads_;    // by shape
   std::unique_ptr<CoupledSystem> coupled_;
 };
-
-// Removes the flux through each cell, up to what restores the reference volume in
-// 1/relaxation_rate: u -= alpha n with alpha = (sum u.g - wanted) / sum |g|, g = dV/dx (3 x
-// n_owned). cell_of_node: n_owned, -1 where there is nothing to hold.
-void project_volume(const std::vector<int> &cell_of_node, PointsView gradient,
-                    const CellVolumes &volumes, NodeExchange &exchange, PointsRef velocity);
 
 }    // namespace biem
 

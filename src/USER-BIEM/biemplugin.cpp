@@ -62,6 +62,7 @@ template <class Base, class Style> void set_creator_with_arguments(lammpsplugin_
 
 }    // namespace
 
+#define set_creator_pair set_creator
 #define set_creator_angle set_creator
 #define set_creator_dihedral set_creator
 #define set_creator_command set_creator

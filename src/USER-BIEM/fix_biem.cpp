@@ -2,12 +2,11 @@
 #include "fix_biem.h"
 #include "atom.h"
 #include "biem_lammps_compat.h"
-#include "biem_lammps_history.h"
+#include "biem_lammps_integrator.h"
 #include "biem_lammps_output.h"
+#include "biem_lammps_report.h"
 #include "biem_lammps_script_check.h"
 #include "biem_lammps_settings.h"
-#include "biem_lammps_sheared_box.h"
-#include "biem_lammps_solver.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -23,24 +22,12 @@
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
+using namespace NodeColumn;
 
 namespace {
 
-// Columns of the per-atom array; the first kPublished are visible to the input script.
-enum {
-  kVelocity = 0,
-  kTraction = 3,
-  kArea = 6,
-  kPublished = 7,
-  kPrevious = 7,
-  kPreviousDt = 10,
-  // Solution of the coupled system, now and one step ago; of rigid particles in the body frame.
-  kSolution = 11,
-  kPreviousSolution = 14
-};
-constexpr int kColumns = 17;
 // First number of the fix's part of a restart file; changes with what follows it.
-constexpr double kRestartFormat = 20261122.0;
+constexpr double kRestartFormat = 20261123.0;
 
 // Relative volume errors of a stable run are below 1e-5.
 constexpr double kVolumeWarning = 1e-4, kVolumeLimit = 1e-2;
@@ -52,21 +39,20 @@ struct FixBiem::Impl {
   LammpsSolver solver;
   ShearedBox box;
   NodeGroups groups;
-  NeighList *list = nullptr;
   FlowOutput output;
+  LammpsIntegrator integrator;
   bool is_warned = false;
-  SolutionHistory history;
 
-  Impl(LAMMPS *lmp, Fix *fix, const FixBiemSettings &s) :
+  Impl(LAMMPS *lmp, Fix *fix, const FixBiemSettings &s, double **&array) :
       settings(s), solver(lmp, fix, s), box(lmp, s.conditions.flow.shear_rate()), output(lmp, s),
-      history(lmp, kSolution, kPreviousSolution)
+      integrator(lmp, fix, s, solver, box, array)
   {
   }
 };
 
 FixBiem::FixBiem(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), array(nullptr)
 {
-  impl = new Impl(lmp, this, parse_fix_biem(lmp, narg, arg));
+  impl = new Impl(lmp, this, parse_fix_biem(lmp, narg, arg), array);
   if (!atom->molecule_flag)
     error->all(FLERR, "Fix biem: atoms have no molecule ids, which number the cells; use "
                       "atom_style molecular");
@@ -140,59 +126,31 @@ void FixBiem::init()
   impl->output.start(impl->solver);
   size_array_rows = static_cast<int>(impl->solver.scene().surfaces.size());
   impl->box.start();
+  impl->integrator.start_run(groups);
   BiemCompat::request_full_list(neighbor, this, instance_me, impl->solver.list_cutoff());
 }
 
 void FixBiem::init_list(int, NeighList *list)
 {
-  impl->list = list;
+  impl->integrator.flow.set_list(list);
 }
 
 void FixBiem::reset_dt()
 {
   impl->box.start();
   impl->solver.set_timestep(update->dt);
+  impl->integrator.reset_dt();
 }
 
 void FixBiem::setup(int)
 {
-  impl->solver.refresh(impl->list);
-  evaluate(SolutionStart::FromLast);
+  impl->integrator.renew_lists();
+  publish();
 }
 
 void FixBiem::initial_integrate(int)
 {
-  move_points();
-  LammpsParticles &particles = impl->solver.particles;
-  particles.advance(impl->settings.stepper, impl->settings.conditions.flow, update->dt);
-  // The box of the new time before ghosts move and forces are computed.
-  if (impl->box.advance()) next_reneighbor = update->ntimestep;
-  if (!particles.is_empty()) particles.lay_atoms();
-}
-
-// Nodes of cells, and tracers.
-void FixBiem::move_points()
-{
-  const double dt = update->dt;
-  double **x = atom->x;
-  for (int i = 0; i < atom->nlocal; i++) {
-    const int mask = atom->mask[i];
-    const bool is_cell = impl->groups.kind(mask) == biem::SurfaceKind::Cell;
-    if (!is_cell && !impl->groups.is_tracer(mask)) continue;
-    double *a = array[i];
-    Eigen::Map<biem::Vec3> position(x[i]), velocity(a + kVelocity), previous(a + kPrevious);
-    const biem::Vec3 relative =
-        biem::compute_displacement(impl->settings.stepper, velocity, previous, dt, a[kPreviousDt]);
-    if (relative.norm() > impl->solver.longest_edge() && is_cell)
-      error->one(FLERR,
-                 fmt::format("Fix biem: step {}: atom {} of molecule {} would move by "
-                             "{:.3g} relative to the flow, more than the longest edge: the "
-                             "timestep is far too large",
-                             update->ntimestep, atom->tag[i], atom->molecule[i], relative.norm()));
-    position += impl->settings.conditions.flow.displacement(position, relative, dt);
-    previous = velocity;
-    a[kPreviousDt] = dt;
-  }
+  if (impl->integrator.step()) next_reneighbor = update->ntimestep;
 }
 
 void FixBiem::pre_exchange()
@@ -202,60 +160,40 @@ void FixBiem::pre_exchange()
 
 void FixBiem::post_force(int)
 {
-  if (neighbor->ago == 0) impl->solver.refresh(impl->list);
-  evaluate(SolutionStart::Extrapolated);
+  if (neighbor->ago == 0) impl->integrator.renew_lists();
+  publish();
 }
 
-void FixBiem::check_forces()
+void FixBiem::publish()
 {
-  for (int i = 0; i < atom->nlocal; i++) {
-    const double *f = atom->f[i], *x = atom->x[i];
-    if (!std::isfinite(f[0] + f[1] + f[2] + x[0] + x[1] + x[2]))
-      error->one(FLERR, "Fix biem: force or position of atom " + std::to_string(atom->tag[i]) +
-                            " (molecule " + std::to_string(atom->molecule[i]) +
-                            ") is not a number at step " + std::to_string(update->ntimestep) +
-                            ": the membrane has become unstable or folded; use a smaller timestep");
-    if (f[0] == 0.0 && f[1] == 0.0 && f[2] == 0.0) continue;
-    const biem::SurfaceKind kind = impl->groups.kind(atom->mask[i]);
-    if (kind == biem::SurfaceKind::None || kind == biem::SurfaceKind::Wall)
-      error->one(FLERR,
-                 "Fix biem: a force acts on atom " + std::to_string(atom->tag[i]) +
-                     ", but tracers and probes only follow the flow, and walls do not move; take "
-                     "it out of the group of the fix or pair style that causes the force, and give "
-                     "the triangles of walls an angle type without forces");
-  }
-}
-
-void FixBiem::evaluate(SolutionStart start)
-{
-  check_forces();
   Impl &m = *impl;
-  const biem::Evaluation e = m.solver.evaluate(m.history.make_guess(start, m.solver, array));
-  m.history.keep(start, m.solver, e.solution, array);
+  const biem::Evaluation e = m.integrator.evaluate();
   for (int i = 0; i < atom->nlocal; i++) {
-    double *a = array[i];
-    Eigen::Map<biem::Vec3> velocity(a + kVelocity), traction(a + kTraction), total(atom->v[i]);
-    const Eigen::Map<biem::Vec3> position(atom->x[i]);
-    velocity = e.velocity.col(i);
-    traction = e.traction.col(i);
-    a[kArea] = e.areas[i];
-    total = velocity + m.settings.conditions.flow.velocity(position);
+    const Eigen::Map<biem::Vec3> velocity(array[i] + kVelocity), position(atom->x[i]);
+    Eigen::Map<biem::Vec3>(atom->v[i]) = velocity + m.settings.conditions.flow.velocity(position);
   }
-  m.output.publish(e, m.solver, m.box);
+  m.output.publish(e, m.solver, m.box, m.integrator);
   check_volumes();
+}
+
+void FixBiem::post_run()
+{
+  const std::string text = impl->integrator.describe_run() + describe_contacts(lmp);
+  if (comm->me == 0 && !text.empty()) utils::logmesg(lmp, text);
 }
 
 // The projection holds volumes to the error of the time stepping: a large error is an unstable run.
 void FixBiem::check_volumes()
 {
   const double deviation = impl->output.vector(FlowOutput::kVolumeError);
-  if (deviation <= kVolumeWarning) return;
+  if (impl->settings.hold == biem::Hold::None || deviation <= kVolumeWarning) return;
   const std::string text = fmt::format(
-      "Fix biem: relative volume error {:.2g} of a cell at step {}: the timestep is beyond "
-      "the limit of stability of the stepper; use a smaller one (see doc/fix_biem.md)",
-      deviation, update->ntimestep);
-  if (deviation > kVolumeLimit) error->all(FLERR, text);
-  if (!impl->is_warned && comm->me == 0) error->warning(FLERR, text);
+      "relative volume error {:.2g} of cell {}: the timestep is beyond the limit of stability of the "
+      "stepper; use a smaller one (see doc/fix_biem.md)",
+      deviation, impl->solver.worst_volume());
+  if (deviation > kVolumeLimit) impl->integrator.stop(text);
+  if (!impl->is_warned && comm->me == 0)
+    error->warning(FLERR, fmt::format("Fix biem: step {}: {}", update->ntimestep, text));
   impl->is_warned = true;
 }
 
@@ -308,7 +246,7 @@ void FixBiem::write_restart(FILE *file)
   if (comm->me != 0) return;
   std::vector<double> list = {kRestartFormat};
   for (const std::vector<double> &part :
-       {impl->box.get_state(), impl->history.get_state(), impl->solver.get_state()})
+       {impl->box.get_state(), impl->integrator.get_state(), impl->solver.get_state()})
     list.insert(list.end(), part.begin(), part.end());
   const int size = static_cast<int>(list.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, file);
@@ -323,33 +261,33 @@ void FixBiem::restart(char *buffer)
                       "continue it with that version, or write a data file and start from it");
   impl->box.set_state(state);
   state += ShearedBox::kStateSize;
-  impl->history.set_state(state);
-  impl->solver.set_state(state + SolutionHistory::kStateSize);
+  impl->solver.set_state(impl->integrator.set_state(state));
 }
 
 int FixBiem::pack_restart(int i, double *buffer)
 {
-  buffer[0] = kColumns + 1;
-  std::copy_n(array[i], kColumns, buffer + 1);
-  return kColumns + 1;
+  buffer[0] = kKept + 1;
+  std::copy_n(array[i], kKept, buffer + 1);
+  return kKept + 1;
 }
 
 void FixBiem::unpack_restart(int nlocal, int nth)
 {
   double **extra = atom->extra;
   int m = 0;
+  std::fill_n(array[nlocal], kColumns, 0.0);
   for (int i = 0; i < nth; i++)
     m += static_cast<int>(extra[nlocal][m]);
-  std::copy_n(extra[nlocal] + m + 1, kColumns, array[nlocal]);
+  std::copy_n(extra[nlocal] + m + 1, kKept, array[nlocal]);
 }
 
 int FixBiem::size_restart(int)
 {
-  return kColumns + 1;
+  return kKept + 1;
 }
 int FixBiem::maxsize_restart()
 {
-  return kColumns + 1;
+  return kKept + 1;
 }
 
 int FixBiem::pack_forward_comm(int n, int *list, double *buffer, int, int *)

@@ -11,8 +11,6 @@ FixStyle(biem,FixBiem);
 
 namespace LAMMPS_NS {
 
-enum class SolutionStart;
-
 // Moves membranes and tracers with the Stokes flow that the membrane forces and the background flow
 // cause; owns the tilt of a sheared box. Parses, calls the core, publishes; see doc/fix_biem.md.
 class FixBiem : public Fix {
@@ -26,6 +24,7 @@ class FixBiem : public Fix {
   void initial_integrate(int) override;
   void pre_exchange() override;
   void post_force(int) override;
+  void post_run() override;
   void reset_dt() override;
   double compute_scalar() override;
   double compute_vector(int) override;
@@ -53,9 +52,7 @@ class FixBiem : public Fix {
   Impl *impl;
   double **array;    // per atom: velocity, traction, area (published), then the history
 
-  void evaluate(SolutionStart);
-  void move_points();
-  void check_forces();
+  void publish();
   void check_volumes();
 };
 

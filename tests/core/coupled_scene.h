@@ -179,7 +179,6 @@ class DistributedSuspension {
     }
     unwrapped_ = scene.nodes(Eigen::all, owned_);
     suspension_.set_cell(scene.cell, Vec3::Zero());
-    volumes_.current.resize(scene.parts.size());
   }
 
   Configuration configuration() const
@@ -189,6 +188,7 @@ class DistributedSuspension {
             candidates_,      scene_.orientations, 0};
   }
   PeriodicGhosts &ghosts() { return ghosts_; }
+  HeldCells &held() { return cells_; }
 
   Evaluation evaluate(const Points &forces, const Conditions &conditions,
                       const CoupledFields &guess = {})
@@ -196,7 +196,7 @@ class DistributedSuspension {
     CoupledFields start = guess;
     if (guess.nodes.cols() > 0) start.nodes = distribute(guess.nodes);
     Evaluation e = suspension_.evaluate(configuration(), distribute(forces), conditions, start,
-                                        volumes_, ghosts_);
+                                        cells_, ghosts_);
     e.velocity = gather(e.velocity);
     e.traction = gather(e.traction);
     if (scene_.scene.has_unknowns()) e.solution.nodes = gather(e.solution.nodes);
@@ -220,7 +220,7 @@ class DistributedSuspension {
   std::vector<Triangle> triangles_;
   std::vector<int> surface_of_triangle_, surface_of_node_, index_of_node_;
   Points shift_, unwrapped_;
-  CellVolumes volumes_;
+  HeldCells cells_;
 };
 
 // Surfaces of the scenes below, of 42 nodes each, the wall of 36.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <random>
 
 namespace biem {
@@ -43,18 +44,31 @@ void add_ball(const Vec3 &center, int surface, Triangles &triangles, double radi
   add_surface(mesh, center, surface, false, triangles);
 }
 
-std::optional<Crossing> find(const MeshLattice &lattice, const Triangles &triangles,
-                             double width = 0.3)
+std::vector<Crossing> find_all(const MeshLattice &lattice, const Triangles &triangles,
+                               double width = 0.3)
 {
   const CrossingBins bins(lattice, width);
   Triangles sorted;
   for (SurfaceTriangle t : triangles)
-    bins.for_each_bin(t, [&](std::int64_t bin) {
+    bins.for_each_bin(t, [&](std::int64_t bin, std::uint64_t occupant) {
       EXPECT_LT(bin, bins.n_bins());
       t.bin = bin;
+      t.occupant = occupant;
       sorted.push_back(t);
     });
-  return find_crossing(lattice, sorted);
+  BinOccupants occupants;
+  for (const SurfaceTriangle &t : sorted) occupants.add(t.bin, t.occupant);
+  Triangles shared;
+  for (const SurfaceTriangle &t : sorted)
+    if (occupants.find(t.bin) == kSeveral) shared.push_back(t);
+  return find_crossings(lattice, shared);
+}
+
+std::optional<Crossing> find(const MeshLattice &lattice, const Triangles &triangles,
+                             double width = 0.3)
+{
+  const std::vector<Crossing> all = find_all(lattice, triangles, width);
+  return all.empty() ? std::nullopt : std::optional(all[0]);
 }
 
 TEST(MeshCrossings, GapsAndOverlapsOfAThousandth)
@@ -70,7 +84,8 @@ TEST(MeshCrossings, GapsAndOverlapsOfAThousandth)
     if (!found) continue;
     EXPECT_EQ(found->first, 3);
     EXPECT_EQ(found->second, 7);
-    EXPECT_LT(lattice.wrap_difference(found->where - Vec3(1.0, 2.0, 0.9)).norm(), 0.4);
+    const Vec3 where(found->where);
+    EXPECT_LT(lattice.wrap_difference(where - Vec3(1.0, 2.0, 0.9)).norm(), 0.4);
   }
 }
 
@@ -85,14 +100,15 @@ TEST(MeshCrossings, BinsOfAnyWidthFindTheSame)
     for (int s = 0; s < 5; s++)
       add_ball(Vec3(uniform(random), uniform(random), uniform(random)), s, triangles,
                0.5 + 0.1 * s, s == 0 ? 1 : 3);
-    const auto expected = find(lattice, triangles, 100.0);
-    n_crossing += expected.has_value();
+    const std::vector<Crossing> expected = find_all(lattice, triangles, 100.0);
+    n_crossing += !expected.empty();
     for (double width : {0.15, 0.4, 2.5}) {
-      const auto found = find(lattice, triangles, width);
-      ASSERT_EQ(found.has_value(), expected.has_value());
-      if (!found) continue;
-      EXPECT_EQ(found->first, expected->first);
-      EXPECT_EQ(found->second, expected->second);
+      const std::vector<Crossing> found = find_all(lattice, triangles, width);
+      ASSERT_EQ(found.size(), expected.size());
+      for (size_t c = 0; c < found.size(); c++) {
+        EXPECT_EQ(found[c].first, expected[c].first);
+        EXPECT_EQ(found[c].second, expected[c].second);
+      }
     }
   }
   EXPECT_GT(n_crossing, 10);
@@ -121,6 +137,40 @@ TEST(MeshCrossings, OwnImages)
       EXPECT_EQ(found->second, 4);
     }
   }
+}
+
+TEST(MeshCrossings, AllPairsOnceAndAscending)
+{
+  for (double width : {0.2, 1.0, 9.0}) {
+    Triangles triangles;
+    const double x[] = {4.0, 1.0, 5.5, 2.5};    // 1 and 3, 3 and 0, 0 and 2, 2 and the image of 1
+    for (int s = 0; s < 4; s++) add_ball(Vec3(x[s], 3.0, 3.0), s, triangles);
+    const std::vector<Crossing> found = find_all(make_lattice(), triangles, width);
+    ASSERT_EQ(found.size(), 4u);
+    const int pairs[4][2] = {{0, 2}, {0, 3}, {1, 2}, {1, 3}};
+    for (int k = 0; k < 4; k++) {
+      EXPECT_EQ(found[k].first, pairs[k][0]);
+      EXPECT_EQ(found[k].second, pairs[k][1]);
+    }
+  }
+}
+
+TEST(MeshCrossings, OneSurfaceAcrossTheBoundaryIsAloneInItsBins)
+{
+  Triangles triangles;
+  add_ball(Vec3(5.9, 6.1, -0.2), 2, triangles);
+  const CrossingBins bins(make_lattice(1.0), 0.2);
+  BinOccupants occupants;
+  for (const SurfaceTriangle &t : triangles)
+    bins.for_each_bin(t, [&](std::int64_t bin, std::uint64_t occupant) {
+      occupants.add(bin, occupant);
+    });
+  int n_bins = 0;
+  occupants.for_each([&](std::int64_t, std::uint64_t occupant) {
+    n_bins++;
+    EXPECT_NE(occupant, kSeveral);
+  });
+  EXPECT_GT(n_bins, 100);
 }
 
 TEST(MeshCrossings, SheetsMayMeetEachOtherButNothingElse)

@@ -1,8 +1,10 @@
-// Rigid bodies in time: Jeffery's orbits, the background shear, restart values, body frames.
+// Rigid bodies in time: Jeffery's orbits, the background shear, steps of several stages, restart
+// values, body frames.
 #include "biem_error.h"
 #include "biem_mesh_shape.h"
 #include "biem_rigid_motion.h"
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 
 using namespace biem;
@@ -55,6 +57,39 @@ double compute_orbit_error(Stepper stepper, double dt, double ratio)
   }
   return (body.orientation * Vec3::UnitZ() - compute_jeffery_axis(flow.shear_rate(), start, end))
       .norm();
+}
+
+// A step h of several stages; set_motion gives the body its velocity and rotation at a time.
+using SetMotion = std::function<void(double t, RigidBody &body)>;
+
+void advance_in_stages(int n_stages, const BackgroundFlow &flow, const SetMotion &set_motion,
+                       double t, double h, RigidBody &body)
+{
+  const auto c = compute_chebyshev_stages(n_stages);
+  set_motion(t, body);
+  RigidBodyStages stages = begin_stages(flow, body);
+  for (int j = 1; j <= n_stages; j++) {
+    if (j > 1) set_motion(t + c[j - 1].time * h, body);
+    advance_stage(c[j], flow, h, (c[j].time - c[j - 1].time) * h, stages, body);
+  }
+}
+
+// Orders of convergence in n_steps up to this time, of the distance that compute_error gives.
+double measure_order(int n_stages, const BackgroundFlow &flow, const SetMotion &set_motion,
+                     const RigidBody &start, double end, int n_steps,
+                     const std::function<double(const RigidBody &)> &compute_error)
+{
+  double errors[2];
+  for (int level = 0; level < 2; level++) {
+    RigidBody body = start;
+    const double h = end / (n_steps << level);
+    for (int k = 0; k < n_steps << level; k++)
+      advance_in_stages(n_stages, flow, set_motion, k * h, h, body);
+    errors[level] = compute_error(body);
+  }
+  std::printf("  %d stages: %.2e %.2e\n", n_stages, errors[0], errors[1]);
+  EXPECT_LT(errors[1], 1e-2);
+  return std::log2(errors[0] / errors[1]);
 }
 
 SurfaceMesh make_lopsided_body()
@@ -146,6 +181,121 @@ TEST(RigidMotion, BodyMovesAsAFreeNodeDoes)
     t += dt;
   }
   EXPECT_LT((body.position - node).norm(), 1e-15);
+}
+
+TEST(RigidMotionInStages, PrescribedRotationIsFollowedToSecondOrder)
+{
+  // R = exp(g(t) z) exp(f(t) x): turns that do not commute.
+  const auto f = [](double t) {
+    return 1.3 * t + 0.4 * std::sin(2.0 * t);
+  };
+  const auto g = [](double t) {
+    return 0.9 * t * t;
+  };
+  const SetMotion set_motion = [&](double t, RigidBody &body) {
+    const Eigen::AngleAxisd about_z(g(t), Vec3::UnitZ());
+    body.rotation =
+        1.8 * t * Vec3::UnitZ() + (1.3 + 0.8 * std::cos(2.0 * t)) * (about_z * Vec3::UnitX());
+  };
+  const double end = 2.0;
+  const Mat3 exact =
+      (Eigen::AngleAxisd(g(end), Vec3::UnitZ()) * Eigen::AngleAxisd(f(end), Vec3::UnitX()))
+          .toRotationMatrix();
+  for (int s : {2, 5, 10, 20})
+    EXPECT_NEAR(measure_order(s, BackgroundFlow(), set_motion, RigidBody(), end, 40,
+                              [&](const RigidBody &body) {
+                                return (body.orientation.toRotationMatrix() - exact).norm();
+                              }),
+                2.0, 0.1)
+        << s << " stages";
+}
+
+TEST(RigidMotionInStages, JefferyOrbitIsOfSecondOrder)
+{
+  const BackgroundFlow flow = make_shear_flow(1.3);
+  RigidBody start;
+  start.orientation = Eigen::Quaterniond(0.7, 0.4, -0.3, 0.2).normalized();
+  const double end = 10.0;
+  const Vec3 exact = compute_jeffery_axis(1.3, start.orientation * Vec3::UnitZ(), end);
+  const SetMotion set_motion = [](double, RigidBody &body) {
+    body.rotation = compute_jeffery_rotation(1.3, body.orientation * Vec3::UnitZ());
+  };
+  for (int s : {2, 5, 10, 20})
+    EXPECT_NEAR(measure_order(s, flow, set_motion, start, end, 200,
+                              [&](const RigidBody &body) {
+                                return (body.orientation * Vec3::UnitZ() - exact).norm();
+                              }),
+                2.0, 0.1)
+        << s << " stages";
+}
+
+TEST(RigidMotionInStages, PathThroughAShearFlowIsOfSecondOrder)
+{
+  // Slip sin(t) along z, cos(t) - 1 along y: x'' = shear_rate z'.
+  const double rate = 0.9, end = 3.0;
+  const BackgroundFlow flow = make_shear_flow(rate, Vec3(0.2, 0.0, 0.1));
+  const SetMotion set_motion = [&](double t, RigidBody &body) {
+    body.velocity = flow.velocity(body.position) + Vec3(0.0, std::cos(t), std::sin(t));
+  };
+  RigidBody start;
+  start.position = Vec3(1.0, 2.0, 3.0);
+  const double z_slip = 1.0 - std::cos(end);
+  const Vec3 exact =
+      start.position + Vec3(0.2 * end + rate * (3.0 * end + 0.05 * end * end + end - std::sin(end)),
+                            std::sin(end), 0.1 * end + z_slip);
+  for (int s : {2, 5, 10, 20})
+    EXPECT_NEAR(
+        measure_order(s, flow, set_motion, start, end, 20,
+                      [&](const RigidBody &body) { return (body.position - exact).norm(); }),
+        2.0, 0.15)
+        << s << " stages";
+}
+
+TEST(RigidMotionInStages, ConstantRotationAndSlipAreExact)
+{
+  const BackgroundFlow flow = make_shear_flow(0.9, Vec3(0.2, -0.1, 0.4));
+  const Vec3 slip(0.3, 0.5, -0.7), start(1.0, 2.0, 3.0), rotation(0.3, -0.8, 0.5);
+  const SetMotion set_motion = [&](double, RigidBody &body) {
+    body.velocity = flow.velocity(body.position) + slip;
+    body.rotation = rotation;
+  };
+  RigidBody body;
+  body.position = start;
+  double t = 0.0;
+  for (double h : {0.5, 0.1, 1.7}) {
+    advance_in_stages(7, flow, set_motion, t, h, body);
+    t += h;
+  }
+  const Vec3 drift = slip + flow.mean;
+  const Vec3 exact = start + t * drift +
+                     Vec3(flow.shear_rate() * (start[2] * t + 0.5 * drift[2] * t * t), 0.0, 0.0);
+  EXPECT_LT((body.position - exact).norm(), 1e-13 * exact.norm());
+  const Eigen::AngleAxisd turned(t * rotation.norm(), rotation.normalized());
+  EXPECT_LT((body.orientation.toRotationMatrix() - turned.toRotationMatrix()).norm(), 1e-13);
+}
+
+TEST(RigidMotionInStages, TurnRateIsTheDerivativeOfTheRotationVector)
+{
+  RigidBody body;
+  body.orientation = Eigen::Quaterniond(0.7, 0.4, -0.3, 0.2).normalized();
+  RigidBodyStages stages = begin_stages(BackgroundFlow(), body);
+  stages.turn = Vec3(0.2, -0.1, 0.15);
+  turn_body(stages.turn, body);
+  body.rotation = Vec3(0.5, 0.7, -0.4);
+  const double h = 1e-5;
+  RigidBody ahead = body, behind = body;
+  turn_body(h * body.rotation, ahead);
+  turn_body(-h * body.rotation, behind);
+  const auto find_turn = [&stages](const RigidBody &b) {
+    const Eigen::AngleAxisd turn(b.orientation * stages.start_orientation.conjugate());
+    return Vec3(turn.angle() * turn.axis());
+  };
+  EXPECT_LT((find_turn(body) - stages.turn).norm(), 1e-14);
+  const Vec3 exact = (find_turn(ahead) - find_turn(behind)) / (2.0 * h);
+  // The series ends before |turn|^4 / 720.
+  EXPECT_LT((compute_turn_rate(stages, body) - exact).norm(),
+            std::pow(stages.turn.norm(), 4) / 360.0 * body.rotation.norm());
+  EXPECT_GT((body.rotation - exact).norm(), 1e-2);
 }
 
 TEST(RigidMotion, RestartValuesContinueExactly)

@@ -1,5 +1,5 @@
 // The single layer of stretched red cells in a sheared cell with their own membrane tractions:
-// measured against requested error; and the volume projection.
+// measured against requested error.
 #include "biem_element_flat.h"
 #include "biem_membrane_skalak.h"
 #include "biem_mesh_shape.h"
@@ -95,10 +95,8 @@ Evaluation evaluate(const RedCells &s, double tolerance, double cutoff = 0.0,
   cells.surfaces.assign(4, Surface{SurfaceKind::Cell});
   Suspension suspension(MPI_COMM_SELF, {p, p}, SuspensionSettings{}, cells);
   suspension.set_cell(s.cell, Vec3::Zero());
-  CellVolumes volumes;
-  volumes.current.resize(4);
-  return suspension.evaluate(configuration, s.forces, Conditions(), CoupledFields(), volumes,
-                             ghosts);
+  HeldCells held;
+  return suspension.evaluate(configuration, s.forces, Conditions(), CoupledFields(), held, ghosts);
 }
 
 }    // namespace
@@ -122,35 +120,4 @@ TEST(Suspension, VelocityDoesNotDependOnTheSplitBetweenRealAndFourierSpace)
   const RedCells s = make_scene(162);
   const Points a = evaluate(s, 1e-6, 1.2).velocity, b = evaluate(s, 1e-6, 2.5).velocity;
   EXPECT_LT((a - b).norm(), 2e-6 * a.norm());
-}
-
-TEST(VolumeProjection, RemovesTheFluxOfEachCellAndNothingElse)
-{
-  class Alone : public NodeExchange {
-   public:
-    void forward(double *, int) override {}
-    void reverse_add(double *, int) override {}
-    void sum(double *, int) override {}
-  } alone;
-  const RedCells s = make_scene(162);
-  FlatElements elements;
-  elements.set_geometry(s.nodes, s.triangles);
-  Points gradient = Points::Zero(3, s.nodes.cols());
-  elements.add_volume_gradient(gradient);
-  Points velocity = Points::Random(3, s.nodes.cols());
-  CellVolumes volumes;
-  volumes.reference.assign(4, 1.0);
-  volumes.current.assign(4, 1.0);
-  volumes.current[2] = 0.9;
-  volumes.relaxation_rate = 0.5;
-  const Points before = velocity;
-  project_volume(s.surface_of_node, gradient, volumes, alone, velocity);
-  for (int c = 0; c < 4; c++) {
-    double flux = 0.0;
-    for (Eigen::Index i = 0; i < velocity.cols(); i++)
-      if (s.surface_of_node[i] == c) flux += velocity.col(i).dot(gradient.col(i));
-    EXPECT_NEAR(flux, c == 2 ? 0.05 : 0.0, 1e-13);
-  }
-  for (Eigen::Index i = 0; i < velocity.cols(); i++)
-    EXPECT_LT((velocity.col(i) - before.col(i)).cross(gradient.col(i)).norm(), 1e-14);
 }

@@ -85,10 +85,9 @@ Evaluation evaluate(double length, int n_nodes, const Mat3 &gradient)
   suspension.set_cell(cell, Vec3::Zero());
   Conditions conditions;
   conditions.flow.gradient = gradient;
-  CellVolumes volumes;
-  volumes.current.resize(1);
+  HeldCells cells;
   return suspension.evaluate(configuration, Points::Zero(3, n), conditions, CoupledFields(),
-                             volumes, ghosts);
+                             cells, ghosts);
 }
 
 // mu_eff/mu - 1 = S:E/(2 mu V E:E).
