@@ -16,8 +16,7 @@ constexpr double kSmallestGap = 0.02;
 
 }    // namespace
 
-double LammpsSolver::find_closing_time(double **array, int column,
-                                       const biem::BackgroundFlow &flow)
+double LammpsSolver::find_closing_time(double **array, int column, const biem::BackgroundFlow &flow)
 {
   const biem::Configuration c = configuration_->get(particles.orientations(survey_.n_molecules));
   biem::Points velocity(3, c.nodes.cols());
@@ -40,8 +39,8 @@ double LammpsSolver::find_closing_time(double **array, int column,
       if (atom->molecule[j] == c.surface_of_triangle[e] + 1 ||
           groups_.find_surface(atom->mask[j]) < 0)
         continue;
-      const biem::Vec3 weights = biem::compute_nearest_weights(
-          c.nodes.col(j), corners.col(0), corners.col(1), corners.col(2));
+      const biem::Vec3 weights = biem::compute_nearest_weights(c.nodes.col(j), corners.col(0),
+                                                               corners.col(1), corners.col(2));
       const biem::Vec3 apart = c.nodes.col(j) - corners * weights;
       const double gap = apart.norm();
       if (gap == 0.0) continue;

@@ -179,8 +179,7 @@ void FlowEvaluator::evaluate_inner(double time)
 {
   check_forces();
   n_inner_ += 1.0;
-  const double ratio =
-      n_slow_ > 1 ? (time - slow_time_) / (slow_time_ - previous_slow_time_) : 0.0;
+  const double ratio = n_slow_ > 1 ? (time - slow_time_) / (slow_time_ - previous_slow_time_) : 0.0;
   biem::Points slow(3, atom->nlocal);
   for (int i = 0; i < atom->nlocal; i++) {
     const Eigen::Map<const biem::Vec3> now(array_[i] + kSlow), before(array_[i] + kPreviousSlow);
@@ -193,8 +192,8 @@ void FlowEvaluator::evaluate_inner(double time)
   for (auto &entry : solver_.particles.bodies()) {
     biem::RigidBody &body = entry.second;
     const SlowMotion &m = slow_motions_[entry.first];
-    body.velocity = flow_.velocity(body.position) + m.velocity +
-                    ratio * (m.velocity - m.previous_velocity);
+    body.velocity =
+        flow_.velocity(body.position) + m.velocity + ratio * (m.velocity - m.previous_velocity);
     body.rotation = m.rotation + ratio * (m.rotation - m.previous_rotation);
   }
 }

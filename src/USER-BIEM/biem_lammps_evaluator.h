@@ -31,8 +31,8 @@ class FlowEvaluator : protected Pointers {
   void set_list(NeighList *list) { list_ = list; }
   void lists_are_new();    // by LAMMPS; may throw StepFailure
 
-  // For the forces of now; the solution becomes part of the history. Throws StepFailure. Collective,
-  // as all of these.
+  // For the forces of now; the solution becomes part of the history. Throws StepFailure, as all of
+  // these. Collective.
   biem::Evaluation evaluate(double time);
   // For atoms that have been moved a little and will be moved back: keeps nothing.
   biem::Evaluation evaluate_aside(double time);

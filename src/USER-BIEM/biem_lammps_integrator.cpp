@@ -31,8 +31,7 @@ LammpsIntegrator::LammpsIntegrator(LAMMPS *lmp, Fix *fix, const FixBiemSettings 
                                    LammpsSolver &solver, ShearedBox &box, double **&array) :
     Pointers(lmp),
     flow(lmp, fix, settings.conditions.flow, solver, array), stiffness(lmp, flow, solver, array),
-    settings_(settings),
-    flow_(settings.conditions.flow), solver_(solver), box_(box), array_(array),
+    settings_(settings), flow_(settings.conditions.flow), solver_(solver), box_(box), array_(array),
     watchdog_(lmp, settings.watch), controller_(settings.error_tolerance, 0.0)
 {
 }
@@ -52,12 +51,10 @@ void LammpsIntegrator::start_run(const NodeGroups &groups)
 
 void LammpsIntegrator::reset_dt()
 {
-  if (update->dt == adopted_dt_) return;    // the last adaptive step
-  largest_dt_ = update->dt;
-  if (settings_.error_tolerance > 0.0) {
-    controller_.set_largest(largest_dt_);
-    next_dt_ = next_dt_ > 0.0 ? std::min(next_dt_, largest_dt_) : largest_dt_;
-  }
+  if (settings_.error_tolerance <= 0.0) return;
+  if (update->dt != adopted_dt_) largest_dt_ = update->dt;    // else that of the last step
+  controller_.set_largest(largest_dt_);
+  next_dt_ = next_dt_ > 0.0 ? std::min(next_dt_, largest_dt_) : largest_dt_;
 }
 
 void LammpsIntegrator::renew_lists()
@@ -122,10 +119,11 @@ void LammpsIntegrator::step_once()
   if (stiffness.is_due(kBetweenChecks)) stiffness.renew(time_);
   const double limit = biem::stability_limit(settings_.stepper);
   if (dt * stiffness.radius() > limit)
-    throw StepFailure{fmt::format("timestep {:.6g} is beyond the limit of stability of the stepper, "
-                                  "{:.4g} with a spectral radius of {:.4g}; use a smaller one, or "
-                                  "stepper rkc2",
-                                  dt, limit / stiffness.radius(), stiffness.radius())};
+    throw StepFailure{
+        fmt::format("timestep {:.6g} is beyond the limit of stability of the stepper, "
+                    "{:.4g} with a spectral radius of {:.4g}; use a smaller one, or "
+                    "stepper rkc2",
+                    dt, limit / stiffness.radius(), stiffness.radius())};
   double largest = 0.0;
   for (int i = 0; i < atom->nlocal; i++) {
     if (!is_mobile(i)) continue;
@@ -157,9 +155,9 @@ void LammpsIntegrator::step_fixed()
     const double parts = std::ceil((1.0 - fraction) * dt / find_closing_limit());
     if (!(parts <= kMostParts))
       throw StepFailure{fmt::format("surfaces would jump through each other within a step: the "
-                                "timestep {:.6g} is far larger than the time in which the gap "
-                                "between two of them closes; use a smaller timestep",
-                                dt)};
+                                    "timestep {:.6g} is far larger than the time in which the gap "
+                                    "between two of them closes; use a smaller timestep",
+                                    dt)};
     const double span = (1.0 - fraction) / std::max(1.0, parts);
     const bool is_last = parts <= 1.0;
     take_stages(fraction, span);
@@ -202,10 +200,11 @@ void LammpsIntegrator::step_adaptive()
     restore_start();
     dt = controller_.choose_again(dt, error);
     if (dt < kSmallestDt * largest_dt_)
-      throw StepFailure{why.empty() ? fmt::format("no step down to {:.3g} of the timestep has an error "
-                                              "below error/tolerance {:.6g}; allow a larger error",
-                                              kSmallestDt, settings_.error_tolerance)
-                                : why};
+      throw StepFailure{why.empty()
+                            ? fmt::format("no step down to {:.3g} of the timestep has an error "
+                                          "below error/tolerance {:.6g}; allow a larger error",
+                                          kSmallestDt, settings_.error_tolerance)
+                            : why};
   }
   finish_step(dt);
 }
@@ -215,9 +214,10 @@ int LammpsIntegrator::count_stages(double h) const
   const double radius = kRadiusMargin * stiffness.upper_radius(kBetweenEstimates);
   const int n = biem::choose_stages(h, radius);
   if (n > biem::kMostStages)
-    throw StepFailure{fmt::format("a timestep of {:.6g} with a spectral radius of {:.4g} needs more "
-                              "than {} stages; use a smaller timestep",
-                              h, radius, biem::kMostStages)};
+    throw StepFailure{
+        fmt::format("a timestep of {:.6g} with a spectral radius of {:.4g} needs more "
+                    "than {} stages; use a smaller timestep",
+                    h, radius, biem::kMostStages)};
   return n;
 }
 
@@ -346,12 +346,8 @@ void LammpsIntegrator::finish_step(double dt)
 
 std::vector<double> LammpsIntegrator::get_state() const
 {
-  std::vector<double> state = {time_,
-                               largest_dt_,
-                               next_dt_,
-                               adopted_dt_,
-                               controller_.last_dt(),
-                               controller_.last_error()};
+  std::vector<double> state = {time_,       largest_dt_,           next_dt_,
+                               adopted_dt_, controller_.last_dt(), controller_.last_error()};
   for (const std::vector<double> &part : {flow.get_state(), stiffness.get_state()})
     state.insert(state.end(), part.begin(), part.end());
   return state;

@@ -43,13 +43,11 @@ double LammpsIntegrator::estimate_error(double h) const
     const biem::RigidBody &body = solver_.particles.bodies().at(entry.first);
     const biem::Vec3 shift =
         biem::kErrorOfDisplacement * s.displacement +
-        biem::kErrorOfRate * h *
-            (s.start_rate + biem::compute_displacement_rate(flow_, s, body));
+        biem::kErrorOfRate * h * (s.start_rate + biem::compute_displacement_rate(flow_, s, body));
     const biem::Vec3 turn =
         biem::kErrorOfDisplacement * s.turn +
         biem::kErrorOfRate * h * (s.start_rotation + biem::compute_turn_rate(s, body));
-    largest =
-        std::max(largest, shift.norm() + turn.norm() * solver_.particles.radius(entry.first));
+    largest = std::max(largest, shift.norm() + turn.norm() * solver_.particles.radius(entry.first));
   }
   MPI_Allreduce(&largest, &all, 1, MPI_DOUBLE, MPI_MAX, world);
   return all;
@@ -106,7 +104,8 @@ std::string LammpsIntegrator::describe_run() const
   const StepRecord &r = record_;
   if (r.n_steps == 0.0 || settings_.stepper != biem::Stepper::RungeKuttaChebyshev2) return "";
   std::string text = fmt::format(
-      "Fix biem: {:.0f} steps of {:.0f} to {:.0f} stages, {:.0f} evaluations of the flow, {:.0f} of "
+      "Fix biem: {:.0f} steps of {:.0f} to {:.0f} stages, {:.0f} evaluations of the flow, {:.0f} "
+      "of "
       "its fast part alone; {:.0f} of these for the spectral radius, {:.4g} at the end\n",
       r.n_steps, r.fewest_stages, r.most_stages, flow.n_evaluations(), flow.n_inner(),
       stiffness.n_evaluations(), stiffness.radius());

@@ -2,9 +2,7 @@
 #include "biem_lammps_report.h"
 #include "atom.h"
 #include "fmt/format.h"
-#include "force.h"
 #include "lammps.h"
-#include "pair_biem_contact.h"
 #include "update.h"
 #include <map>
 
@@ -77,23 +75,6 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &s, const biem::EwaldPa
   text += fmt::format("  communication cutoff {:.4g}, near list cutoff {:.4g}\n", cutoffs[0],
                       cutoffs[1]);
   return text;
-}
-
-std::string describe_contacts(LAMMPS *lmp)
-{
-  const auto *pair = dynamic_cast<PairBiemContact *>(lmp->force->pair_match("biem/contact", 1));
-  if (!pair) return "";
-  const ContactStatistics &s = pair->statistics();
-  if (s.n_with_contact == 0)
-    return fmt::format("Fix biem: pair biem/contact has not acted in {} evaluations: no node came "
-                       "within its range of another surface\n",
-                       s.n_evaluations);
-  return fmt::format("Fix biem: pair biem/contact has acted in {} of {} evaluations, on {:.3g} nodes "
-                     "at a time; smallest distance {:.4g}, largest pressure {:.4g}, {} nodes behind "
-                     "the other surface\n",
-                     s.n_with_contact, s.n_evaluations,
-                     static_cast<double>(s.n_node_contacts) / static_cast<double>(s.n_with_contact),
-                     s.smallest_distance, s.largest_pressure, s.n_penetrations);
 }
 
 }    // namespace LAMMPS_NS

@@ -16,9 +16,6 @@ std::string describe_setup(LAMMPS *lmp, const MeshSurvey &survey,
                            const biem::EwaldParameters &forces,
                            const biem::EwaldParameters *coupled, const double cutoffs[2]);
 
-// How often and how strongly pair style biem/contact has acted in this run; empty without one.
-std::string describe_contacts(LAMMPS *lmp);
-
 }    // namespace LAMMPS_NS
 
 #endif

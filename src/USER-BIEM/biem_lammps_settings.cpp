@@ -42,8 +42,7 @@ class Arguments : protected Pointers {
   bool yes_or_no(const std::string &keyword)
   {
     const std::string answer = word(keyword);
-    if (answer != "yes" && answer != "no")
-      fail(keyword + " " + answer + ": choose yes or no");
+    if (answer != "yes" && answer != "no") fail(keyword + " " + answer + ": choose yes or no");
     return answer == "yes";
   }
   // Takes the next word if it is this one.
@@ -154,7 +153,8 @@ void complete_surfaces(Arguments &arguments, bool has_ratio, double ratio, FixBi
   }
   for (const std::string &points : {s.tracers, s.probes})
     if (!points.empty() && !names.insert(points).second)
-      arguments.fail("group '" + points + "' is named twice: its atoms are either on surfaces, or "
+      arguments.fail("group '" + points +
+                     "' is named twice: its atoms are either on surfaces, or "
                      "tracers, or probes");
   if (has_cells && has_ratio)
     arguments.fail("viscosity/ratio stands alone, but cells are named: give it after the group, "
@@ -255,7 +255,8 @@ void parse_keyword(Arguments &arguments, const std::string &keyword, FixBiemSett
     arguments.fail(
         "unknown keyword '" + keyword +
         "': allowed are viscosity, accuracy, flow, viscosity/ratio, cells, rigid, wall, tracers, "
-        "probes, stepper, error/tolerance, multirate, hold, watch, traction, solver/tolerance, solver/iterations, ewald, tune, cutoff, "
+        "probes, stepper, error/tolerance, multirate, hold, watch, traction, solver/tolerance, "
+        "solver/iterations, ewald, tune, cutoff, "
         "splitting, order, grid");
   }
 }

@@ -214,7 +214,8 @@ double LammpsSolver::expected_error() const
 void LammpsSolver::set_cutoffs()
 {
   const double edge = kEdgeGrowth * survey_.longest_edge;
-  list_cutoff_ = kListGrowth * (survey_.longest_edge + biem::kNearFactor * survey_.longest_mean_edge);
+  list_cutoff_ =
+      kListGrowth * (survey_.longest_edge + biem::kNearFactor * survey_.longest_mean_edge);
   set_list_size();
   double cutoff = force_parameters_.values().cutoff;
   if (has_unknowns_) cutoff = std::max(cutoff, coupled_parameters_.values().cutoff);
@@ -258,11 +259,12 @@ std::string LammpsSolver::refresh(NeighList *list)
   } longest = {configuration_->lost_edge(), configuration_->lost_molecule()}, all;
   MPI_Allreduce(&longest, &all, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
   if (all.length == 0.0) return "";
-  return fmt::format("molecule {} has an edge of length {:.4g}: triangles have stretched beyond the "
-                     "reach of the neighbor list ({:.4g}). Either the timestep is too large, or the "
-                     "membrane too soft for this flow; if it may stretch so far, go on in a new "
-                     "run, which makes lists for the edges that it finds",
-                     all.molecule, all.length, list_cutoff_);
+  return fmt::format(
+      "molecule {} has an edge of length {:.4g}: triangles have stretched beyond the "
+      "reach of the neighbor list ({:.4g}). Either the timestep is too large, or the "
+      "membrane too soft for this flow; if it may stretch so far, go on in a new "
+      "run, which makes lists for the edges that it finds",
+      all.molecule, all.length, list_cutoff_);
 }
 
 biem::Evaluation LammpsSolver::evaluate(const biem::CoupledFields &guess)

@@ -210,8 +210,8 @@ double StiffnessEstimate::dot(int j, int k) const
   double sum = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
     if (moves(i))
-      sum += Eigen::Map<const biem::Vec3>(vector(i, j)).dot(
-          Eigen::Map<const biem::Vec3>(vector(i, k)));
+      sum += Eigen::Map<const biem::Vec3>(vector(i, j))
+                 .dot(Eigen::Map<const biem::Vec3>(vector(i, k)));
   solver_.exchange.sum(&sum, 1);
   return sum;
 }
@@ -237,8 +237,7 @@ double StiffnessEstimate::find_largest(int k) const
 {
   double largest = 0.0, all;
   for (int i = 0; i < atom->nlocal; i++)
-    if (moves(i))
-      largest = std::max(largest, Eigen::Map<const biem::Vec3>(vector(i, k)).norm());
+    if (moves(i)) largest = std::max(largest, Eigen::Map<const biem::Vec3>(vector(i, k)).norm());
   MPI_Allreduce(&largest, &all, 1, MPI_DOUBLE, MPI_MAX, world);
   return all;
 }

@@ -9,11 +9,11 @@ namespace biem {
 
 namespace {
 
-constexpr double kDamping = 2.0 / 13.0;      // epsilon of the method's authors
-constexpr double kStability = 0.65;          // of s^2 - 1: 2/3 (1 - 2/15 epsilon), rounded down
+constexpr double kDamping = 2.0 / 13.0;    // epsilon of the method's authors
+constexpr double kStability = 0.65;        // of s^2 - 1: 2/3 (1 - 2/15 epsilon), rounded down
 // Of the step that the estimate asks for; bounds of the change of a step.
 constexpr double kSafety = 0.8, kLeastFactor = 0.1, kMostFactor = 5.0;
-constexpr double kOrder = 3.0;               // of the local error
+constexpr double kOrder = 3.0;    // of the local error
 
 // Chebyshev polynomials of the first kind and their first two derivatives at x, degrees 0 to n.
 struct Chebyshev {

@@ -173,16 +173,14 @@ Evaluation Suspension::evaluate(const Configuration &c, PointsView forces,
 }
 
 // traction: 3 x n_all, ghosts filled.
-Points Suspension::apply_forces(const Configuration &c, PointsView traction,
-                                NodeExchange &exchange)
+Points Suspension::apply_forces(const Configuration &c, PointsView traction, NodeExchange &exchange)
 {
   force_operator_.set_geometry(force_surfaces_.share(c), Layers::Single, exchange);
   return force_operator_.apply(Layers::Single, traction, Points(3, 0), exchange) /
          (8.0 * M_PI * settings_.viscosity);
 }
 
-Points Suspension::evaluate_fast(const Configuration &c, PointsView forces,
-                                 NodeExchange &exchange)
+Points Suspension::evaluate_fast(const Configuration &c, PointsView forces, NodeExchange &exchange)
 {
   set_force_geometry(c, forces, exchange);
   if (!scene_.has(SurfaceKind::Cell)) return Points::Zero(3, c.n_owned);
@@ -192,8 +190,8 @@ Points Suspension::evaluate_fast(const Configuration &c, PointsView forces,
     const int s = c.surface_of_node[i];
     if (s < 0) continue;
     const Surface &surface = scene_.surfaces[s];
-    velocity.col(i) *=
-        surface.kind == SurfaceKind::Cell ? 2.0 / (1.0 + surface.viscosity_ratio) : 0.0;
+    velocity.col(i) *= surface.kind == SurfaceKind::Cell ? 2.0 / (1.0 + surface.viscosity_ratio)
+                                                         : 0.0;
   }
   return velocity;
 }

@@ -1,7 +1,6 @@
-// One evaluation of Eq. 5 of Zhao et al. 2012 for a whole scene: forces on the nodes of all
-// surfaces in, velocities of all nodes out. Membrane forces act through the single
-// layer; what else there is (other inside viscosities, rigid particles, walls) is the coupled
-// system's, built only where the scene has it. A projection holds what is to be held of every cell.
+// One evaluation of Eq. 5 of Zhao et al. 2012 for a whole scene: forces on all nodes in, velocities
+// of all nodes out. Membrane forces act through the single layer; what else there is (other inside
+// viscosities, rigid particles, walls) is the coupled system's, built only where the scene has it.
 // Knows no constitutive law and no time.
 #ifndef BIEM_SUSPENSION_H
 #define BIEM_SUSPENSION_H
@@ -71,17 +70,15 @@ class Suspension {
                       const Conditions &conditions, const CoupledFields &guess, HeldCells &cells,
                       NodeExchange &exchange);
 
-  // The part of the velocities (3 x n_owned) that follows the membranes' forces at once: their
-  // single layer, on a cell times 2/(1 + viscosity ratio), which is what the whole system makes of
-  // short waves. Zero on particles and walls. Collective.
+  // The fast part of the velocities (3 x n_owned): the membranes' single layer, on a cell times
+  // 2/(1 + viscosity ratio) as for short waves, zero on particles and walls. Collective.
   Points evaluate_fast(const Configuration &configuration, PointsView forces,
                        NodeExchange &exchange);
   // As evaluate() does with its velocities. After evaluate_fast() or evaluate() at these positions.
   void hold(const Configuration &configuration, const BackgroundFlow &flow, HeldCells &cells,
             PointsRef velocity, NodeExchange &exchange);
-  // Displacements (3 x n_owned) that bring held volumes and areas of the cells back to their
-  // references, to first order; after evaluate() for a configuration of the same version, the nodes
-  // of which may have moved. Collective.
+  // Displacements (3 x n_owned) that bring the cells back to their references, to first order.
+  // After evaluate() for a configuration of the same version. Collective.
   Points compute_hold_correction(const Configuration &configuration, HeldCells &cells,
                                  NodeExchange &exchange);
 

@@ -4,16 +4,17 @@
 #include "biem_lammps_compat.h"
 #include "biem_lammps_integrator.h"
 #include "biem_lammps_output.h"
-#include "biem_lammps_report.h"
 #include "biem_lammps_script_check.h"
 #include "biem_lammps_settings.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "force.h"
 #include "group.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "pair_biem_contact.h"
 #include "update.h"
 #include "utils.h"
 #include <algorithm>
@@ -178,7 +179,9 @@ void FixBiem::publish()
 
 void FixBiem::post_run()
 {
-  const std::string text = impl->integrator.describe_run() + describe_contacts(lmp);
+  std::string text = impl->integrator.describe_run();
+  const auto *contact = dynamic_cast<PairBiemContact *>(force->pair_match("biem/contact", 1));
+  if (contact) text += "Fix biem: " + contact->describe_statistics() + "\n";
   if (comm->me == 0 && !text.empty()) utils::logmesg(lmp, text);
 }
 
@@ -187,10 +190,10 @@ void FixBiem::check_volumes()
 {
   const double deviation = impl->output.vector(FlowOutput::kVolumeError);
   if (impl->settings.hold == biem::Hold::None || deviation <= kVolumeWarning) return;
-  const std::string text = fmt::format(
-      "relative volume error {:.2g} of cell {}: the timestep is beyond the limit of stability of the "
-      "stepper; use a smaller one (see doc/fix_biem.md)",
-      deviation, impl->solver.worst_volume());
+  const std::string text = fmt::format("relative volume error {:.2g} of cell {}: the timestep is "
+                                       "beyond the limit of stability of the "
+                                       "stepper; use a smaller one (see doc/fix_biem.md)",
+                                       deviation, impl->solver.worst_volume());
   if (deviation > kVolumeLimit) impl->integrator.stop(text);
   if (!impl->is_warned && comm->me == 0)
     error->warning(FLERR, fmt::format("Fix biem: step {}: {}", update->ntimestep, text));

@@ -342,3 +342,20 @@ void PairBiemContact::write_data_all(FILE *fp)
   for (int i = 1; i <= atom->ntypes; i++)
     for (int j = i; j <= atom->ntypes; j++) fprintf(fp, "%d %d %.17g\n", i, j, stiffness[i][j]);
 }
+
+/* ---------------------------------------------------------------------- */
+
+std::string PairBiemContact::describe_statistics() const
+{
+  const ContactStatistics &s = statistics_of_run;
+  if (s.n_with_contact == 0)
+    return fmt::format("pair biem/contact has not acted in {} evaluations: no node came within its "
+                       "range of another surface",
+                       s.n_evaluations);
+  return fmt::format("pair biem/contact has acted in {} of {} evaluations, on {:.3g} nodes at a "
+                     "time; smallest distance {:.4g}, largest pressure {:.4g}, {} nodes behind the "
+                     "other surface",
+                     s.n_with_contact, s.n_evaluations,
+                     static_cast<double>(s.n_node_contacts) / static_cast<double>(s.n_with_contact),
+                     s.smallest_distance, s.largest_pressure, s.n_penetrations);
+}

@@ -10,6 +10,7 @@ PairStyle(biem/contact,PairBiemContact);
 #define LMP_PAIR_BIEM_CONTACT_H
 
 #include "pair.h"
+#include <string>
 
 namespace LAMMPS_NS {
 
@@ -47,6 +48,7 @@ class PairBiemContact : public Pair {
 
   // Since the start of the last run. fix biem finds the style with force->pair_match().
   const ContactStatistics &statistics() const { return statistics_of_run; }
+  std::string describe_statistics() const;    // one sentence, for the end of a run
 
  protected:
   struct Impl;
