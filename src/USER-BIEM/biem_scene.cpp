@@ -85,7 +85,7 @@ std::string describe_blocks(const BlockSizes &n)
   else if (n.n_wall > 0)
     text += "  the walls' forces follow from the inverse of the wall block, without iterations\n";
   else
-    text += "  one evaluation of the single layer per step, nothing to solve\n";
+    text += "  one single layer in every evaluation, nothing to solve\n";
   return text;
 }
 

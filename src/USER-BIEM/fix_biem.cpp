@@ -190,10 +190,10 @@ void FixBiem::check_volumes()
 {
   const double deviation = impl->output.vector(FlowOutput::kVolumeError);
   if (impl->settings.hold == biem::Hold::None || deviation <= kVolumeWarning) return;
-  const std::string text = fmt::format("relative volume error {:.2g} of cell {}: the timestep is "
-                                       "beyond the limit of stability of the "
-                                       "stepper; use a smaller one (see doc/fix_biem.md)",
-                                       deviation, impl->solver.worst_volume());
+  const std::string text =
+      fmt::format("relative volume error {:.2g} of cell {}: the timestep is too large for how fast "
+                  "its shape changes; use a smaller one, or error/tolerance (see doc/fix_biem.md)",
+                  deviation, impl->solver.worst_volume());
   if (deviation > kVolumeLimit) impl->integrator.stop(text);
   if (!impl->is_warned && comm->me == 0)
     error->warning(FLERR, fmt::format("Fix biem: step {}: {}", update->ntimestep, text));
