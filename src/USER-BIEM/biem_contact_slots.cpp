@@ -15,7 +15,7 @@ bool is_nearer(const Contact &a, const Contact &b)
 {
   if (std::abs(a.distance - b.distance) > kTie * (a.distance + b.distance))
     return a.distance < b.distance;
-  if (a.feature != b.feature) return a.feature < b.feature;
+  if (a.feature != b.feature) return a.feature > b.feature;
   return a.surface < b.surface;
 }
 

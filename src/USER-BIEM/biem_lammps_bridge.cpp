@@ -84,7 +84,7 @@ biem::Vec3 get_origin(LAMMPS *lmp)
 void LammpsConfiguration::refresh(NeighList *list)
 {
   version_++;
-  lost_edge_ = 0.0;
+  lost_reach_ = 0.0;
   triangles_.clear();
   surface_of_triangle_.clear();
   candidates_.start.assign(1, 0);
@@ -118,8 +118,8 @@ void LammpsConfiguration::add_candidates(const biem::Triangle &t, NeighList *lis
     longest = std::max(longest, edge);
   }
   const double reach = kListMargin * biem::kNearFactor * sum / 3.0;
-  if (!(reach + longest <= list_cutoff_) && !(longest <= lost_edge_)) {
-    lost_edge_ = longest;
+  if (!(reach + longest <= list_cutoff_) && !(reach + longest <= lost_reach_)) {
+    lost_reach_ = reach + longest;
     lost_molecule_ = static_cast<int>(atom->molecule[t[1]]);
   }
   const double reach2 = std::pow(reach + neighbor->skin, 2);

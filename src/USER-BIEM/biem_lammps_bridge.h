@@ -61,8 +61,9 @@ class LammpsConfiguration : protected Pointers {
 
   // After every reneighboring: triangles, numbers of surfaces, near candidates.
   void refresh(NeighList *list);
-  // Of the last refresh(): the longest edge for which the list may lack pairs, 0 if there is none.
-  double lost_edge() const { return lost_edge_; }
+  // Of the last refresh(): the largest reach that a triangle needs and the list does not have, 0 if
+  // there is none.
+  double lost_reach() const { return lost_reach_; }
   int lost_molecule() const { return lost_molecule_; }
   // Before every evaluation: unwrapped positions. orientations: by surface.
   biem::Configuration get(std::vector<biem::Mat3> orientations);
@@ -76,7 +77,7 @@ class LammpsConfiguration : protected Pointers {
   NodeIndex index_;
   double list_cutoff_;
   long version_;
-  double lost_edge_ = 0.0;
+  double lost_reach_ = 0.0;
   int lost_molecule_ = 0;
   std::vector<biem::Triangle> triangles_;
   std::vector<int> surface_of_triangle_, surface_of_node_, index_of_node_;

@@ -21,18 +21,19 @@ enum {
   // Part of the velocity that changes slowly, last and last but one (multirate).
   kSlow = 20,
   kPreviousSlow = 23,
-  kKept = 26,    // how many a restart file has
+  kStepError = 26,    // estimate of the last step, displacement
+  kKept = 29,         // how many a restart file has
   // Within a step: rate of displacement at its start, displacement at the last two stages, all
   // relative to where the background shear alone would carry the node; unwrapped position and
   // velocity at the start.
-  kStartRate = 26,
-  kDisplacement = 29,
-  kPreviousDisplacement = 32,
-  kStartPosition = 35,
-  kStartVelocity = 38,
+  kStartRate = 29,
+  kDisplacement = 32,
+  kPreviousDisplacement = 35,
+  kStartPosition = 38,
+  kStartVelocity = 41,
   // While the stiffness is estimated: Krylov vectors.
-  kKrylov = 41,
-  kColumns = 53
+  kKrylov = 44,
+  kColumns = 56
 };
 
 }    // namespace NodeColumn

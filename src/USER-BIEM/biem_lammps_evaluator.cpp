@@ -10,6 +10,13 @@ namespace LAMMPS_NS {
 
 using namespace NodeColumn;
 
+namespace {
+
+// Displacement that the extrapolated part may be wrong by in a step, of the longest edge.
+constexpr double kSlowTolerance = 1e-3;
+
+}    // namespace
+
 void FlowEvaluator::start_run(const NodeGroups &groups)
 {
   groups_ = groups;
@@ -146,6 +153,7 @@ void FlowEvaluator::split(double time)
 {
   const biem::Points fast = evaluate_inner_aside();
   const bool is_new = n_slow_ == 0 || time != slow_time_;
+  if (is_new && n_slow_ > 1) measure_slow_error(time, fast);
   for (int i = 0; i < atom->nlocal; i++) {
     if (is_new) std::copy_n(array_[i] + kSlow, 3, array_[i] + kPreviousSlow);
     Eigen::Map<biem::Vec3>(array_[i] + kSlow) = velocity(i) - fast.col(i);
@@ -164,6 +172,40 @@ void FlowEvaluator::split(double time)
   previous_slow_time_ = slow_time_;
   slow_time_ = time;
   n_slow_ = std::min(2, n_slow_ + 1);
+}
+
+bool FlowEvaluator::can_extrapolate() const
+{
+  return slow_error_ >= 0.0 && slow_error_ <= kSlowTolerance * solver_.longest_edge();
+}
+
+double FlowEvaluator::compute_slow_ratio(double time) const
+{
+  return n_slow_ > 1 ? (time - slow_time_) / (slow_time_ - previous_slow_time_) : 0.0;
+}
+
+// Against the velocities of now: all of them minus the fast part. The error grows quadratically to
+// this value at the end of the step: a third of it counts.
+void FlowEvaluator::measure_slow_error(double time, biem::PointsView fast)
+{
+  const double ratio = compute_slow_ratio(time);
+  double largest = 0.0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (kind(i) != biem::SurfaceKind::Cell && !is_tracer(i)) continue;
+    const Eigen::Map<const biem::Vec3> now(array_[i] + kSlow), before(array_[i] + kPreviousSlow);
+    const biem::Vec3 actual = velocity(i) - fast.col(i);
+    largest = std::max(largest, (actual - now - ratio * (now - before)).norm());
+  }
+  for (const auto &entry : solver_.particles.bodies()) {
+    const biem::RigidBody &body = entry.second;
+    const SlowMotion &m = slow_motions_[entry.first];
+    const biem::Vec3 shift = body.velocity - flow_.velocity(body.position) - m.velocity -
+                             ratio * (m.velocity - m.previous_velocity);
+    const biem::Vec3 turn = body.rotation - m.rotation - ratio * (m.rotation - m.previous_rotation);
+    largest = std::max(largest, shift.norm() + turn.norm() * solver_.particles.radius(entry.first));
+  }
+  largest *= (time - slow_time_) / 3.0;
+  MPI_Allreduce(&largest, &slow_error_, 1, MPI_DOUBLE, MPI_MAX, world);
 }
 
 biem::Points FlowEvaluator::evaluate_inner_aside()
@@ -202,7 +244,7 @@ std::vector<double> FlowEvaluator::get_state() const
 {
   std::vector<double> state = history_.get_state();
   state.insert(state.end(), {static_cast<double>(n_slow_), slow_time_, previous_slow_time_,
-                             static_cast<double>(slow_motions_.size())});
+                             slow_error_, static_cast<double>(slow_motions_.size())});
   for (const auto &entry : slow_motions_) {
     state.push_back(entry.first);
     const SlowMotion &m = entry.second;
@@ -220,8 +262,9 @@ const double *FlowEvaluator::set_state(const double *state)
   n_slow_ = static_cast<int>(state[0]);
   slow_time_ = state[1];
   previous_slow_time_ = state[2];
-  const int n = static_cast<int>(state[3]);
-  state += 4;
+  slow_error_ = state[3];
+  const int n = static_cast<int>(state[4]);
+  state += 5;
   for (int k = 0; k < n; k++, state += 13)
     slow_motions_[static_cast<int>(*state)] = {biem::Vec3(state + 1), biem::Vec3(state + 4),
                                                biem::Vec3(state + 7), biem::Vec3(state + 10)};

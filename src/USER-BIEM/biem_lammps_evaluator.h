@@ -39,7 +39,9 @@ class FlowEvaluator : protected Pointers {
   // Multirate: splits the velocities that were stored last, of the positions of now, into a fast
   // part and the rest, which is kept.
   void split(double time);
-  bool can_extrapolate() const { return n_slow_ > 1; }
+  // Whether the rest changes slowly: what a line through the last two made of the one after them
+  // was right.
+  bool can_extrapolate() const;
   // Velocities to the array and the particles: the fast part for the forces of now, and the rest
   // on the line through the last two.
   void evaluate_inner(double time);
@@ -69,6 +71,8 @@ class FlowEvaluator : protected Pointers {
   void check_velocities(biem::PointsView velocity) const;
   void fail_at(tagint tag, const std::string &what) const;
   void refresh();
+  double compute_slow_ratio(double time) const;
+  void measure_slow_error(double time, biem::PointsView fast);
 
   LammpsSolver &solver_;
   double **&array_;
@@ -85,6 +89,7 @@ class FlowEvaluator : protected Pointers {
   };
   int n_slow_ = 0;
   double slow_time_ = 0.0, previous_slow_time_ = 0.0;
+  double slow_error_ = -1.0;    // of the last line, displacement in one step; -1: none yet
   std::map<int, SlowMotion> slow_motions_;
   const biem::BackgroundFlow flow_;
 };

@@ -19,6 +19,8 @@ constexpr double kRadiusMargin = 1.15;
 // Evaluations between two estimates of the radius, of which one takes three: many small steps of
 // one evaluation change less than a few large ones.
 constexpr double kBetweenEstimates = 40.0, kBetweenChecks = 200.0;
+// So much larger than that of the step before, the error of a step asks for a new estimate.
+constexpr double kErrorGrowth = 1.5;
 // Surfaces come closer by at most this part of their gap in a step.
 constexpr double kClosingShare = 0.5;
 // A step is split into at most so many parts; an adaptive step shrinks to this part of the largest.
@@ -53,6 +55,7 @@ void LammpsIntegrator::reset_dt()
 {
   if (settings_.error_tolerance <= 0.0) return;
   if (update->dt != adopted_dt_) largest_dt_ = update->dt;    // else that of the last step
+  if (controller_.last_dt() > 0.0) solver_.set_timestep(controller_.last_dt());
   controller_.set_largest(largest_dt_);
   next_dt_ = next_dt_ > 0.0 ? std::min(next_dt_, largest_dt_) : largest_dt_;
 }
@@ -74,7 +77,7 @@ biem::Evaluation LammpsIntegrator::evaluate()
       flow.reload(e);
     else
       flow.store(e);
-    if (last_part_ > 0.0) record_.error = estimate_error(last_part_);
+    if (last_part_ > 0.0) note_error(estimate_error(last_part_));
     if (settings_.is_multirate) flow.split(time_);
     last_part_ = 0.0;
     finished_.reset();
@@ -148,7 +151,7 @@ void LammpsIntegrator::step_once()
 void LammpsIntegrator::step_fixed()
 {
   const double dt = update->dt;
-  if (stiffness.is_due(kBetweenEstimates)) stiffness.renew(time_);
+  if (is_radius_due()) stiffness.renew(time_);
   box_.begin_step(dt);
   record_.n_stages = 0.0;
   for (double fraction = 0.0; fraction < 1.0;) {
@@ -167,6 +170,7 @@ void LammpsIntegrator::step_fixed()
     evaluate_stage(time_ + fraction * dt, Part::All);
     record_.n_split += 1.0;
   }
+  solver_.set_timestep(dt);
   check_positions();
   finish_step(dt);
 }
@@ -175,7 +179,7 @@ void LammpsIntegrator::step_fixed()
 // step that is kept is known then.
 void LammpsIntegrator::step_adaptive()
 {
-  if (stiffness.is_due(kBetweenEstimates)) stiffness.renew(time_);
+  if (is_radius_due()) stiffness.renew(time_);
   double dt = std::min({next_dt_, largest_dt_, find_closing_limit()});
   for (;; record_.n_repeated += 1.0) {
     std::string why;
@@ -193,7 +197,8 @@ void LammpsIntegrator::step_adaptive()
       why = failure.why;
     }
     if (controller_.is_accepted(error)) {
-      record_.error = error;
+      note_error(error);
+      last_part_ = 0.0;
       next_dt_ = controller_.choose_next(dt, error);
       break;
     }
@@ -207,6 +212,18 @@ void LammpsIntegrator::step_adaptive()
                             : why};
   }
   finish_step(dt);
+}
+
+bool LammpsIntegrator::is_radius_due() const
+{
+  return has_grown_ || stiffness.is_due(kBetweenEstimates);
+}
+
+// An error that grows suddenly may be a mode that the stages do not damp any more.
+void LammpsIntegrator::note_error(double error)
+{
+  has_grown_ = last_error_ > 0.0 && error > kErrorGrowth * last_error_;
+  record_.error = last_error_ = error;
 }
 
 int LammpsIntegrator::count_stages(double h) const
@@ -265,7 +282,8 @@ void LammpsIntegrator::move_to_stage(const biem::ChebyshevStage &next, double h,
     const biem::Vec3 displacement = biem::combine(next, last, before, h * rate, h * start);
     const biem::Vec3 carried = position - last;    // by the background shear alone
     position = carried + elapsed * flow_.gradient * carried + displacement;
-    largest = std::max(largest, (displacement - last).norm());
+    const double move = (displacement - last).norm();
+    largest = std::isfinite(move) ? std::max(largest, move) : INFINITY;
     before = last;
     last = displacement;
   }
@@ -277,7 +295,18 @@ void LammpsIntegrator::move_to_stage(const biem::ChebyshevStage &next, double h,
                                         solver_.particles.radius(entry.first));
   }
   MPI_Allreduce(&largest, &all, 1, MPI_DOUBLE, MPI_MAX, world);
-  flow.forces.note_move(std::isfinite(all) ? all : 0.0, elapsed);
+  const double limit = 0.5 * std::min({domain->xprd, domain->yprd, domain->zprd});
+  if (!(all < limit)) {
+    flow.forces.update_ghosts();
+    const std::string finding = watchdog_.check();    // names the cell
+    if (!finding.empty()) throw StepFailure{finding};
+    throw StepFailure{
+        fmt::format("a node would move by {:.3g} from one stage to the next, more than "
+                    "half of the box: a force is far too large, or the timestep; use "
+                    "a smaller timestep",
+                    all)};
+  }
+  flow.forces.note_move(all, elapsed);
 }
 
 void LammpsIntegrator::evaluate_stage(double time, Part part)
@@ -347,7 +376,8 @@ void LammpsIntegrator::finish_step(double dt)
 std::vector<double> LammpsIntegrator::get_state() const
 {
   std::vector<double> state = {time_,       largest_dt_,           next_dt_,
-                               adopted_dt_, controller_.last_dt(), controller_.last_error()};
+                               adopted_dt_, controller_.last_dt(), controller_.last_error(),
+                               last_error_, has_grown_ ? 1.0 : 0.0};
   for (const std::vector<double> &part : {flow.get_state(), stiffness.get_state()})
     state.insert(state.end(), part.begin(), part.end());
   return state;
@@ -360,7 +390,9 @@ const double *LammpsIntegrator::set_state(const double *state)
   next_dt_ = state[2];
   adopted_dt_ = state[3];
   controller_.set_last(state[4], state[5]);
-  return stiffness.set_state(flow.set_state(state + 6));
+  last_error_ = state[6];
+  has_grown_ = state[7] != 0.0;
+  return stiffness.set_state(flow.set_state(state + 8));
 }
 
 }    // namespace LAMMPS_NS

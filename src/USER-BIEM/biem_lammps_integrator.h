@@ -68,7 +68,9 @@ class LammpsIntegrator : protected Pointers {
   void correct_held_cells();
   void check_positions();
   void check_crossings();
-  double estimate_error(double h) const;
+  double estimate_error(double h);
+  void note_error(double error);
+  bool is_radius_due() const;
   double find_closing_limit();
   void adopt_dt(double dt);
   void finish_step(double dt);
@@ -86,6 +88,8 @@ class LammpsIntegrator : protected Pointers {
   biem::StepController controller_;
   StepRecord record_;
   bool wants_new_lists_ = false;
+  double last_error_ = 0.0;
+  bool has_grown_ = false;    // the error of the last step, suddenly
   bool has_start_ = false;    // the start of a step is saved
 
   double time_ = 0.0;

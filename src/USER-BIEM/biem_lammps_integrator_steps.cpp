@@ -25,16 +25,17 @@ void StepRecord::add_step(double dt)
 }
 
 // Of all nodes the largest; particles count with the point of reference and their radius.
-double LammpsIntegrator::estimate_error(double h) const
+double LammpsIntegrator::estimate_error(double h)
 {
   double largest = 0.0, all;
   for (int i = 0; i < atom->nlocal; i++) {
     if (!is_mobile(i)) continue;
-    const double *a = array_[i];
+    double *a = array_[i];
     const biem::Vec3 displacement(a + kDisplacement), start(a + kStartRate);
     const biem::Vec3 end = flow.velocity(i) + flow_.mean + flow_.gradient * displacement;
     const biem::Vec3 error =
         biem::kErrorOfDisplacement * displacement + biem::kErrorOfRate * h * (start + end);
+    Eigen::Map<biem::Vec3>(a + kStepError) = error;
     const double size = error.norm();
     largest = std::isfinite(size) ? std::max(largest, size) : INFINITY;
   }

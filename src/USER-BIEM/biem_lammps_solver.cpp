@@ -254,17 +254,17 @@ std::string LammpsSolver::refresh(NeighList *list)
 {
   configuration_->refresh(list);
   struct {
-    double length;
+    double reach;
     int molecule;
-  } longest = {configuration_->lost_edge(), configuration_->lost_molecule()}, all;
+  } longest = {configuration_->lost_reach(), configuration_->lost_molecule()}, all;
   MPI_Allreduce(&longest, &all, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
-  if (all.length == 0.0) return "";
+  if (all.reach == 0.0) return "";
   return fmt::format(
-      "molecule {} has an edge of length {:.4g}: triangles have stretched beyond the "
-      "reach of the neighbor list ({:.4g}). Either the timestep is too large, or the "
-      "membrane too soft for this flow; if it may stretch so far, go on in a new "
-      "run, which makes lists for the edges that it finds",
-      all.molecule, all.length, list_cutoff_);
+      "molecule {} has a triangle that has stretched beyond the reach of the neighbor "
+      "list: it needs {:.4g}, the list has {:.4g}. Either the timestep is too large, "
+      "or the membrane too soft for this flow; if it may stretch so far, go on in a "
+      "new run, which makes lists for the edges that it finds",
+      all.molecule, all.reach, list_cutoff_);
 }
 
 biem::Evaluation LammpsSolver::evaluate(const biem::CoupledFields &guess)

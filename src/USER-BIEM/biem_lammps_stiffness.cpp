@@ -53,6 +53,7 @@ void StiffnessEstimate::renew(double time)
   const bool is_first = !is_started_;
   if (is_first) start_mode();
   lay_body_mode(0);
+  add_step_error();
   set_start_rates();
   previous_radius_ = radius_;
   for (int restart = 0; restart < kMostRestarts; restart++) {
@@ -126,6 +127,21 @@ void StiffnessEstimate::start_mode()
     entry.second = {draw(-2 * entry.first), draw(-2 * entry.first - 1)};
 }
 
+// What is wrong with the last step is mostly fast modes: those that have become faster than the one
+// of the last estimate show there first.
+void StiffnessEstimate::add_step_error()
+{
+  for (const auto &body : bodies_)
+    body_modes_[1][body.first] = BodyMode();
+  for (int i = 0; i < atom->nlocal; i++) {
+    const bool is_cell = flow_.kind(i) == biem::SurfaceKind::Cell;
+    for (int a = 0; a < 3; a++)
+      vector(i, 1)[a] = is_cell ? array_[i][kStepError + a] : 0.0;
+  }
+  const double mode = std::sqrt(dot(0, 0)), error = std::sqrt(dot(1, 1));
+  if (mode > 0.0 && error > 0.0) add(mode / error, 1, 0);
+}
+
 // Arnoldi from vector 0, which becomes the mode of the largest Ritz value; that is returned.
 double StiffnessEstimate::iterate()
 {
@@ -148,7 +164,8 @@ double StiffnessEstimate::iterate()
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(h.topLeftCorner(n, n));
   Eigen::Index largest;
   const double radius = solver.eigenvalues().cwiseAbs().maxCoeff(&largest);
-  const Eigen::VectorXd mode = solver.eigenvectors().col(largest).real();
+  Eigen::VectorXd mode = solver.eigenvectors().col(largest).real();
+  if (mode[0] < 0.0) mode = -mode;    // a sign that rounding does not choose
   scale(0, mode[0]);
   for (int j = 1; j < n; j++)
     add(mode[j], j, 0);
@@ -158,7 +175,9 @@ double StiffnessEstimate::iterate()
 // vector to = Jacobian of the velocities times vector from.
 void StiffnessEstimate::apply_jacobian(int from, int to)
 {
-  const double size = kPerturbation * solver_.longest_edge() / find_largest(from);
+  // A power of two: another run that starts from another longest edge perturbs by the same.
+  const double edge = std::exp2(std::round(std::log2(solver_.longest_edge())));
+  const double size = kPerturbation * edge / find_largest(from);
   for (int i = 0; i < atom->nlocal; i++)
     for (int a = 0; moves(i) && a < 3; a++)
       atom->x[i][a] += size * vector(i, from)[a];

@@ -21,6 +21,8 @@ class StiffnessEstimate : protected Pointers {
   void use_fast_part() { is_fast_ = true; }
   // Whether so many evaluations have been made since the last estimate, or there is none.
   bool is_due(double n_evaluations) const;
+  // Evaluations that are no part of a step, as those of a setup, do not bring it closer.
+  void skip(double n_evaluations) { last_count_ += n_evaluations; }
   // At the positions of now, whose velocities are in the array; atoms stay where they are.
   // Collective.
   void renew(double time);
@@ -45,6 +47,7 @@ class StiffnessEstimate : protected Pointers {
   void set_start_rates();
   void restore_positions();
   void start_mode();
+  void add_step_error();
   double iterate();
   void apply_jacobian(int from, int to);
   biem::Points evaluate();

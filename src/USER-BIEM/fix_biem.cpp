@@ -28,7 +28,7 @@ using namespace NodeColumn;
 namespace {
 
 // First number of the fix's part of a restart file; changes with what follows it.
-constexpr double kRestartFormat = 20261123.0;
+constexpr double kRestartFormat = 20261124.0;
 
 // Relative volume errors of a stable run are below 1e-5.
 constexpr double kVolumeWarning = 1e-4, kVolumeLimit = 1e-2;
@@ -145,8 +145,11 @@ void FixBiem::reset_dt()
 
 void FixBiem::setup(int)
 {
-  impl->integrator.renew_lists();
+  LammpsIntegrator &integrator = impl->integrator;
+  const double before = integrator.flow.n_all();
+  integrator.renew_lists();
   publish();
+  integrator.stiffness.skip(integrator.flow.n_all() - before);
 }
 
 void FixBiem::initial_integrate(int)

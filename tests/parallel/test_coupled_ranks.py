@@ -66,14 +66,15 @@ class Case(flow.FlowCase):
 
 class Ranks(Case):
     def test_numbers_and_layouts_of_ranks(self):
-        for kind in ("mean 0.5 0.2 0", "pressure/drop 1 0.3 0"):
-            reference = self.whole_run(f"run {N_STEPS}\n", kind=kind)
+        for kind, stepper in (("mean 0.5 0.2 0", "ab2"), ("pressure/drop 1 0.3 0", "rkc2")):
+            more = f"{TIGHT} stepper {stepper}"
+            reference = self.whole_run(f"run {N_STEPS}\n", kind=kind, more=more)
             rows = self.rows()
             self.assertGreater(np.abs(reference[N_STEPS] - reference[0])[:, :3].max(), 0.03)
             for n_ranks, before in ((2, ""), (4, ""), (4, "processors 1 1 4\n"),
                                     (3, "processors 3 1 1\n")):
                 with self.subTest(kind=kind, n_ranks=n_ranks, before=before):
-                    other = self.whole_run(f"run {N_STEPS}\n", n_ranks, kind, before=before)
+                    other = self.whole_run(f"run {N_STEPS}\n", n_ranks, kind, more, before)
                     self.assert_same_frames(reference, other, OTHER_RANKS)
                     self.assert_same_rows(rows, self.rows(), 100.0 * OTHER_RANKS)
 

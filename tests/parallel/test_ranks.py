@@ -8,7 +8,8 @@ import numpy as np
 import flow_cases as flow
 
 TOLERANCE = 1e-10
-N_STEPS = 100
+N_STEPS = 8
+TIMESTEP = 0.05
 
 # The first cell holds a corner of the box, the second crosses a face, the third is inside.
 CELLS = (((0.1, 5.9, 0.05), 30.0), ((3.0, 2.9, 5.8), 80.0), ((3.1, 3.0, 2.8), 10.0))
@@ -17,7 +18,7 @@ CELLS = (((0.1, 5.9, 0.05), 30.0), ((3.0, 2.9, 5.8), 80.0), ((3.1, 3.0, 2.8), 10
 class Ranks(flow.FlowCase):
     def setUp(self):
         super().setUp()
-        # the tilt passes 3, half a box length, in step 5: one flip
+        # the tilt passes 3, half a box length, in the first step: one flip
         self.write(*(flow.make_red_cell(*cell) for cell in CELLS), tilt=(0.0, 2.9, 0.0))
         self.reference = self.trajectory(1)
 
@@ -25,8 +26,8 @@ class Ranks(flow.FlowCase):
         """Frames of a run; before: commands ahead of the box, after: behind fix biem."""
         file = self.folder / "trajectory.txt"
         script = before + flow.make_script(
-            self.data, flow.make_styles(), flow.make_flow(more=more), after,
-            flow.make_dump(file, 20), f"thermo_style custom step f_b[6]\nrun {N_STEPS}\n")
+            self.data, flow.make_styles(), flow.make_flow(timestep=TIMESTEP, more=more), after,
+            flow.make_dump(file, 2), f"thermo_style custom step f_b[6]\nrun {N_STEPS}\n")
         self.output = flow.run(script, self.folder, n_ranks)
         return flow.read_dump(file)
 
@@ -55,8 +56,8 @@ class Ranks(flow.FlowCase):
 
     def test_balanced_ranks(self):
         for name, before, after in (
-                ("shift", "", "fix l all balance 10 1.0 shift xz 10 1.01\n"),
-                ("rcb", "comm_style tiled\n", "fix l all balance 10 1.0 rcb\n")):
+                ("shift", "", "fix l all balance 2 1.0 shift xz 10 1.01\n"),
+                ("rcb", "comm_style tiled\n", "fix l all balance 2 1.0 rcb\n")):
             with self.subTest(name=name):
                 self.assert_same_frames(self.reference, self.trajectory(4, before, after),
                                         TOLERANCE)
@@ -88,7 +89,8 @@ class Ranks(flow.FlowCase):
             file = self.folder / "trajectory.txt"
             script = flow.make_script(
                 self.data, tracers, flow.make_styles(),
-                flow.make_flow(more="tracers points cells nodes"), flow.make_dump(file, 20),
+                flow.make_flow(timestep=TIMESTEP, more="tracers points cells nodes"),
+                flow.make_dump(file, 2),
                 f"run {N_STEPS}\n")
             flow.run(script, self.folder, n_ranks)
             # create_atoms numbers the new atoms by rank: sort the points by where they start

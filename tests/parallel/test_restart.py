@@ -1,5 +1,6 @@
 """Interrupted and restarted runs follow the trajectory of the run that was not interrupted, on any
-number of ranks, with both steppers and across a flip of the box."""
+number of ranks and across a flip of the box: Adams-Bashforth, whose history is part of a restart,
+and Euler. Large steps of stages are in test_steppers.py."""
 
 import unittest
 
@@ -9,6 +10,7 @@ from styles import membrane_cases as cases
 N_STEPS = 60
 HALF = N_STEPS // 2
 SAME_RANKS, OTHER_RANKS = 1e-12, 1e-10
+AB2 = "stepper ab2"
 CELLS = (((0.1, 5.9, 0.05), 30.0), ((3.0, 2.9, 5.8), 80.0))
 
 # The tilt grows by 6 * 0.004 in a step: the box flips in step 5, or in step 34, past the restart.
@@ -23,13 +25,13 @@ class Case(flow.FlowCase):
     def rows(self):
         return cases.read_thermo(self.output)
 
-    def whole_run(self, runs, n_ranks=1, more="", kind="shear xz 1.0", name="whole.txt"):
+    def whole_run(self, runs, n_ranks=1, more=AB2, kind="shear xz 1.0", name="whole.txt"):
         script = flow.make_script(self.data, flow.make_styles(), flow.make_flow(kind, more=more),
                                   flow.make_dump(name, 10), runs)
         self.output = flow.run(script, self.folder, n_ranks)
         return flow.read_dump(self.folder / name)
 
-    def restarted_run(self, file, n_steps, n_ranks=1, more="", kind="shear xz 1.0"):
+    def restarted_run(self, file, n_steps, n_ranks=1, more=AB2, kind="shear xz 1.0"):
         script = (f"read_restart {file}\nneighbor 0.2 bin\npair_style none\n" +
                   flow.make_flow(kind, more=more) + flow.make_dump("second.txt", 10) +
                   THERMO + f"run {n_steps}\n")
@@ -70,8 +72,8 @@ class Restart(Case):
     def test_restart_of_a_restart(self):
         self.write_cells(FLIP_AFTER)
         whole = self.whole_run(f"restart 20 part.*\nrun {N_STEPS}\n")
-        script = ("read_restart part.20\nneighbor 0.2 bin\npair_style none\n" + flow.make_flow() +
-                  "run 0\nwrite_restart again\n")
+        script = ("read_restart part.20\nneighbor 0.2 bin\npair_style none\n" +
+                  flow.make_flow(more=AB2) + "run 0\nwrite_restart again\n")
         flow.run(script, self.folder)
         second = self.restarted_run("again", N_STEPS - 20)
         self.assert_same_frames(second, whole, SAME_RANKS)
@@ -84,7 +86,7 @@ class Restart(Case):
             self.assert_same_frames(second, whole, SAME_RANKS)
 
     def test_other_split(self):
-        more = "ewald spme"
+        more = f"{AB2} ewald spme"
         self.write_cells(FLIP_AFTER)
         whole = self.whole_run(f"run {HALF}\nwrite_restart middle\nrun {HALF}\n", more=more)
         self.assertIn("SPME, Gaussian split", self.output)
@@ -135,7 +137,8 @@ class SplitRuns(Case):
     def test_fix_defined_anew(self):
         """Starts from the box and the cells as they are, with an Euler step."""
         self.write_cells(FLIP_BEFORE)
-        anew = "undump d\nunfix b\n" + flow.make_flow("shear xz -0.5") + THERMO + "run 10\n"
+        anew = ("undump d\nunfix b\n" + flow.make_flow("shear xz -0.5", more=AB2) + THERMO +
+                "run 10\n")
         self.whole_run("run 20\n" + anew)
         row = self.rows()[-1]
         self.assertAlmostEqual(row["f_b[5]"], -0.5 * 0.04, delta=1e-12)

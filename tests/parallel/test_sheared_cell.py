@@ -124,19 +124,24 @@ class Rerun(flow.FlowCase):
     def test_rerun_gives_the_velocities_of_the_run(self):
         self.write(flow.make_red_cell((0.1, 5.9, 0.05), 30.0),
                    flow.make_red_cell((3.0, 2.9, 5.8), 80.0), tilt=(0.0, 2.9, 0.0))
-        for kind in ("none", "mean 0.3 -0.2 0.5", "shear xz 1.0"):
-            parts = (flow.make_styles(), flow.make_flow(kind))
-            script = flow.make_script(self.data, *parts, flow.make_dump("run.txt", 10), "run 30\n")
+        for kind, timestep, n_steps, more in (
+                ("none", 0.1, 4, ""), ("mean 0.3 -0.2 0.5", 0.004, 30, "stepper ab2"),
+                ("shear xz 1.0", 0.1, 4, ""), ("shear xz 1.0", 0.1, 4, "multirate yes"),
+                ("shear xz 1.0", 0.004, 30, "stepper euler")):
+            every = n_steps // 2
+            parts = (flow.make_styles(), flow.make_flow(kind, timestep=timestep, more=more))
+            script = flow.make_script(self.data, *parts, flow.make_dump("run.txt", every),
+                                      f"run {n_steps}\n")
             flow.run(script, self.folder)
             first = flow.read_dump(self.folder / "run.txt")
             again = flow.make_script(
-                self.data, *parts, flow.make_dump("rerun.txt", 10),
+                self.data, *parts, flow.make_dump("rerun.txt", every),
                 "rerun run.txt dump x y z box yes scaled no wrapped no\n")
             for n_ranks in (1, 2):
-                with self.subTest(kind=kind, n_ranks=n_ranks):
+                with self.subTest(kind=kind, more=more, n_ranks=n_ranks):
                     flow.run(again, self.folder, n_ranks)
                     second = flow.read_dump(self.folder / "rerun.txt")
-                    self.assertEqual(sorted(second), [0, 10, 20, 30])
+                    self.assertEqual(sorted(second), [0, every, 2 * every])
                     self.assert_same_frames(first, second, EXACT)
 
 

@@ -64,11 +64,19 @@ class InputCase(flow.FlowCase):
             with self.subTest(script=script, parts=parts):
                 done.result()
 
+    def expect_argument_errors(self, arguments_and_parts):
+        self.expect_errors([(self.script(f"timestep 0.004\nfix b all biem {arguments}\n"), parts)
+                            for arguments, parts in arguments_and_parts])
+
 
 class Accepted(InputCase):
     def test_the_case_without_a_mistake(self):
-        for kind in ("shear xz 1.0", "shear xz 0.0", "mean 1 0 0", "none"):
-            fix = flow.make_flow(kind, more="stepper euler traction consistent cells all")
+        for kind, more in (
+                ("shear xz 1.0", "stepper rkc2 error/tolerance 1e-3 multirate yes hold area"),
+                ("shear xz 0.0", "stepper euler watch off"),
+                ("mean 1 0 0", "watch edge 3 area 2 crossings 0 multirate no hold volume"),
+                ("none", "stepper ab2 hold none")):
+            fix = flow.make_flow(kind, more=more + " traction consistent cells all")
             flow.run(self.script(fix), self.folder)
             self.assertIn("NUMBER OF ATOMS", (self.folder / "user.txt").read_text())
 
@@ -214,10 +222,6 @@ class Groups(InputCase):
 
 
 class Arguments(InputCase):
-    def expect_argument_errors(self, arguments_and_parts):
-        self.expect_errors([(self.script(f"timestep 0.004\nfix b all biem {arguments}\n"), parts)
-                            for arguments, parts in arguments_and_parts])
-
     def test_numbers(self):
         good = "viscosity 1 accuracy 1e-3 flow shear xz 1.0 cutoff 0.5"
         keywords = {"viscosity 1": ("0", "-1.0", "1e400"), "cutoff 0.5": ("0", "-2", "1e-3", "1e3"),
@@ -268,7 +272,8 @@ class Arguments(InputCase):
             ("viscosity 1 accuracy 1e-3 flow mean 1 0", ("'flow mean' ends too early",)),
             ("viscosity 1 accuracy 1e-3 flow shear xy 1", ("flow shear xy", "shear xz")),
             ("viscosity 1 accuracy 1e-3 flow pipe", ("unknown flow 'pipe'",)),
-            (good + "stepper rkc2", ("unknown stepper 'rkc2'", "ab2", "euler")),
+            (good + "stepper rk4", ("unknown stepper 'rk4'", "rkc2", "ab2", "euler")),
+            (good + "stepper", ("'stepper' ends too early",)),
             (good + "ewald direct", ("unknown ewald method 'direct'", "spme", "pswf")),
             (good + "tune guess", ("unknown tuning 'guess'", "model", "search")),
             (good + "tune", ("'tune' ends too early",)),
@@ -371,11 +376,6 @@ class Positions(InputCase):
         for n_ranks in (1, 2):
             self.expect_error(self.script(before=before), "atom 17", "molecule 1", "step 1",
                               n_ranks=n_ranks, is_kept=False)
-
-    def test_timestep_beyond_stability(self):
-        for n_ranks in (1, 2):
-            self.expect_error(self.script(flow.make_flow(timestep=0.05), end="run 1000\n"),
-                              "timestep", n_ranks=n_ranks, is_kept=False)
 
 
 if __name__ == "__main__":
