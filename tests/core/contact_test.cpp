@@ -116,6 +116,24 @@ bool is_inside(const Vec3 &p, const Points &nodes, const std::vector<Triangle> &
   return sum > 2.0 * EIGEN_PI;
 }
 
+// A node above a face, at its edge but for rounding: the triangle beyond the edge, folded under the
+// face, has the node behind it and must not decide.
+TEST(ContactSlots, FaceDecidesBesideAFold)
+{
+  Points nodes(3, 4);
+  nodes << 0.0, 1.0, 0.5, 0.5, 0.0, 0.0, 1.0, 0.9, 0.0, 0.0, 0.0, -0.05;
+  const Triangle face = {0, 1, 2}, fold = {1, 0, 3};
+  const Vec3 p(0.5, 1e-12, 0.01);
+  ASSERT_LT(find_on(p, nodes, fold).side, 0.0);
+  for (const std::array<Triangle, 2> &order :
+       {std::array<Triangle, 2>{face, fold}, std::array<Triangle, 2>{fold, face}}) {
+    ContactSlots slots;
+    for (const Triangle &t : order) slots.merge(find_on(p, nodes, t));
+    ASSERT_EQ(slots.size(), 1);
+    EXPECT_GT(slots[0].side, 0.0);
+  }
+}
+
 struct Body {
   Points nodes;
   std::vector<Triangle> triangles;

@@ -39,7 +39,7 @@ class Example:
     finds depends on rounding to its tolerance, as the iteration may stop a step earlier or later.
     """
 
-    steps = 100
+    steps, interval = 4, 2    # of the run, and between two rows of its thermo output
     files = ("cells.data", "cells.dump")
     relative, absolute = 2e-7, 1e-12
     iterations = residual = None    # columns of the solver
@@ -63,7 +63,7 @@ class Example:
         reference = read_thermo(logs[0].read_text())
         with tempfile.TemporaryDirectory() as output:
             rows = self.run_example(folder, n_ranks, output)
-        self.assertEqual(sorted(rows), list(range(0, self.steps + 1, 50)))
+        self.assertEqual(sorted(rows), list(range(0, self.steps + 1, self.interval)))
         for step, row in rows.items():
             for name, value in row.items():
                 if name in TIMES or name == self.residual:
@@ -83,12 +83,12 @@ class Example:
 
 
 class ShearedSuspension(Example, unittest.TestCase):
+    steps = 10    # with a flip of the box
     example = "sheared_suspension"
     files = Example.files + ("cells.table",)
 
 
 class CoupledExample(Example):
-    steps = 50
     relative, absolute = 3e-4, 1e-7
     iterations, residual = "f_flow[11]", "f_flow[12]"
 
@@ -107,6 +107,7 @@ class BinaryCollision(CoupledExample, unittest.TestCase):
 
 
 class FlowField(Example, unittest.TestCase):
+    steps = 20
     folder, example = "binary_collision", "flow_field"
     files = ("field.data", "field.dump")
 

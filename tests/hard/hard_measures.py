@@ -146,7 +146,10 @@ def find_contacts(frame, surfaces):
         near, distance = distances_to_surface(points, corners[other])
         least = min(least, float(distance.min(initial=REACH)))
         if surfaces.types[other] != WALL:
-            inside += int(np.sum(winding_numbers(points[near], corners[other]) > 0.5))
+            # A surface that enters another one has points near it: within one of its edges.
+            edge = np.linalg.norm(corners[other] - np.roll(corners[other], 1, axis=1), axis=2).max()
+            close = points[near[distance < edge]]
+            inside += int(np.sum(winding_numbers(close, corners[other]) > 0.5))
     return least, inside
 
 
