@@ -1,7 +1,7 @@
 #!/bin/sh
 # From an empty clone to the first picture: installs what is missing, builds lmp_biem, shears red
 # cells in a periodic box on two processors, and draws them.  Everything lands in demo_output/.
-# Arguments go to lmp_biem: ./demo.sh -var steps 500
+# Arguments go to lmp_biem: ./demo.sh -var steps 40
 set -eu
 cd "$(dirname "$0")"
 top=$PWD

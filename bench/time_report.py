@@ -1,7 +1,7 @@
 """Tables and plot of the steppers from the CSV files of time.py: time_report.py <folder>.
 
-<folder>/results/{time,orders}.csv are read; <folder>/README.md gets its tables between the lines
-'<!-- begin table: NAME -->' and '<!-- end table -->'; the plot is <folder>/error_cpu.png.
+<folder>/results/{time,orders,scenes}.csv are read; <folder>/README.md gets its tables between
+the lines '<!-- begin table: NAME -->' and '<!-- end table -->'; the plot is <folder>/error_cpu.png.
 """
 
 import sys
@@ -12,6 +12,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from report import insert_tables
 from report_results import pick, read_csv, values
@@ -28,6 +29,7 @@ class Results:
     def __init__(self, folder):
         self.time = read_csv(folder / "time.csv")
         self.orders = read_csv(folder / "orders.csv")
+        self.scenes = read_csv(folder / "scenes.csv")
 
 
 def find_stable(results, **wanted):
@@ -70,20 +72,38 @@ def fit_order(rows):
 
 
 def tabulate_orders(results):
-    head = ["stepper", "dt", "evaluations", "rms error", "order from the row above",
+    head = ["start", "stepper", "dt", "evaluations", "rms error", "order from the row above",
             "fitted order"]
     rows = []
-    for stepper in values(results.orders, "stepper"):
-        found = pick(results.orders, stepper=stepper)
-        for i, row in enumerate(found):
-            rows.append([stepper, show(row["timestep"]), f"{row['evaluations']:.0f}",
-                         show_error(row["rms_error"]),
-                         f"{fit_order(found[i - 1:i + 1]):.2f}" if i else "",
-                         f"{fit_order(found):.2f}" if i + 1 == len(found) else ""])
+    for start in values(results.orders, "start"):
+        for stepper in values(results.orders, "stepper"):
+            found = sorted(pick(results.orders, start=start, stepper=stepper),
+                           key=lambda row: -row["timestep"])
+            for i, row in enumerate(found):
+                rows.append([start, stepper, show(row["timestep"]), f"{row['evaluations']:.0f}",
+                             show_error(row["rms_error"]),
+                             f"{fit_order(found[i - 1:i + 1]):.2f}" if i else "",
+                             f"{fit_order(found):.2f}" if i + 1 == len(found) else ""])
     return make_table(head, rows)
 
 
-TABLES = {"time": tabulate_time, "references": tabulate_references, "orders": tabulate_orders}
+def tabulate_scenes(results):
+    head = ["scene", "stepper", "dt", "evaluations / time", "inner / time", "rms error", "largest",
+            "CPU s / time", "gain over ab2"]
+    rows = []
+    for scene in values(results.scenes, "scene"):
+        found = pick(results.scenes, scene=scene)
+        slowest = next((row for row in found if row["stepper"] == "ab2"), None)
+        for row in found:
+            gain = show(slowest["cpu_seconds"] / row["cpu_seconds"], 2) if slowest else MISSING
+            rows.append([scene, name_of(row), show(row["timestep"]), show(row["evaluations"]),
+                         show(row["inner"]), show_error(row["rms_error"]),
+                         show_error(row["max_error"]), show(row["cpu_seconds"]), gain])
+    return make_table(head, rows)
+
+
+TABLES = {"time": tabulate_time, "references": tabulate_references, "orders": tabulate_orders,
+          "scenes": tabulate_scenes}
 
 
 def plot_error_cpu(results):
@@ -94,6 +114,9 @@ def plot_error_cpu(results):
     for line, nodes in zip(axes, meshes):
         for axis, number in zip(line, numbers):
             found = find_stable(results, nodes=nodes, Ca=number)
+            if not found:
+                axis.set_axis_off()
+                continue
             for stepper, color in COLORS.items():
                 for has_tolerance, marker in MARKERS.items():
                     rows = [row for row in found
@@ -106,6 +129,9 @@ def plot_error_cpu(results):
                                     label=stepper + ", tolerance" * has_tolerance)
             axis.axhline(3e-3, color="black", linestyle=":", linewidth=1.0)
             axis.set_title(f"{nodes:.0f} nodes, Ca {number:g}")
+            axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+            axis.xaxis.set_minor_formatter(NullFormatter())
     for axis in axes[-1]:
         axis.set_xlabel("CPU seconds per unit time")
     for line in axes:

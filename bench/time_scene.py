@@ -1,7 +1,7 @@
-"""One red cell in shear: its input script, runs of it, and distances between end positions.
-Knows nothing of what is compared."""
+"""One red cell in shear: its input script, runs of it, distances between end positions, and the
+table that is written. Knows nothing of what is compared."""
 
-import math
+import csv
 import os
 import re
 import resource
@@ -10,16 +10,26 @@ from pathlib import Path
 
 import numpy as np
 
-SCRIPT = """
+HEAD = """
 units lj
 newton on
-atom_style molecular
 atom_modify map yes
+"""
+START = """
+atom_style molecular
 boundary p p p
 region box prism -3 3 -3 3 -3 3 0 0 0
 create_box 1 box angle/types 1 dihedral/types 1
 mass * 1.0
 create_cells rbc nodes {nodes} single 0 0 0 orientation -0.5 0 1
+"""
+# Another ID of fix biem than that of the run which wrote the file: without what steppers remember.
+GO_ON = """
+read_restart {restart}
+reset_timestep 0
+comm_modify cutoff 0.0
+"""
+REST = """
 pair_style none
 angle_style biem/skalak
 angle_coeff * {shear!r} {dilatation!r}
@@ -27,33 +37,31 @@ dihedral_style biem/bend
 dihedral_coeff * {bending!r} sphere
 neighbor 0.2 bin
 timestep {timestep!r}
-fix flow all biem viscosity 1.0 accuracy {accuracy} flow shear xz 1.0 stepper {stepper} {more}
-variable t equal f_flow[28]
-thermo_style custom step f_flow[28] f_flow f_flow[2] f_flow[24] f_flow[25] f_flow[26] f_flow[30]
+fix {id} all biem viscosity 1.0 accuracy {accuracy} flow shear xz 1.0 stepper {stepper} {more}
+variable t equal f_{id}[28]
+thermo_style custom step f_{id}[28] f_{id} f_{id}[2] f_{id}[24] f_{id}[25] f_{id}[27] f_{id}[30]
 thermo_modify format float %.12g
 thermo {every_thermo}
-dump d all custom {every_dump} end.dump id xu yu zu f_flow[1] f_flow[2] f_flow[3]
+dump d all custom {every_dump} end.dump id xu yu zu f_{id}[1] f_{id}[2] f_{id}[3]
 dump_modify d sort id format float %.15g
 {halt}
 run {steps}
 """
 HALT = "fix end all halt 1 v_t >= {end!r} error continue"
 MANY_STEPS = 10 ** 7
-COLUMNS = ("step", "time", "power", "volume_error", "evaluations", "cheap", "stages", "repeated")
+COLUMNS = ("step", "time", "power", "volume_error", "evaluations", "cheap", "radius", "repeated")
 
 
 class Cell:
-    """Moduli and mesh of the cell (Zhao et al. 2012: ES = 1/Ca, ED = 100, EB = 3.3e-3/Ca)."""
+    """Moduli and mesh of the cell (Zhao et al. 2012: ES = 1/Ca, ED = 100, EB = 3.3e-3/Ca).
+    restart: file from which its runs go on, or None."""
+
+    restart = None
 
     def __init__(self, nodes, capillary_number, dilatation=100.0):
         self.nodes, self.capillary_number, self.dilatation = nodes, capillary_number, dilatation
         self.shear = 1.0 / capillary_number
         self.bending = 3.3e-3 / capillary_number
-
-    def rate(self):
-        """Largest relaxation rate of the unstressed membrane."""
-        edge = 0.35 * math.sqrt(160.0 / (self.nodes - 2))
-        return (0.55 * self.dilatation + 1.1 * self.shear) / edge
 
     def name(self):
         return f"{self.nodes}_{self.capillary_number:g}_{self.dilatation:g}"
@@ -75,8 +83,8 @@ class Run:
     def mean_power(self):
         return float(np.mean(np.abs(self.rows[1:, COLUMNS.index("power")])))
 
-    def largest_volume_error(self):
-        return float(np.max(self.rows[:, COLUMNS.index("volume_error")]))
+    def largest(self, name):
+        return float(np.max(self.rows[:, COLUMNS.index(name)]))
 
 
 class Program:
@@ -88,15 +96,26 @@ class Program:
 
     def run(self, cell, stepper, timestep, end, more=""):
         """To the time end; with a step that the program may change when 'more' has a tolerance."""
+        return self.run_script(self.make_script(cell, stepper, timestep, end, more), end)
+
+    def make_script(self, cell, stepper, timestep, end, more=""):
         is_free = "error/tolerance" in more
         steps = MANY_STEPS if is_free else max(1, round(end / timestep))
         every = 1 if is_free else steps
-        script = SCRIPT.format(
+        return (HEAD + (GO_ON if cell.restart else START) + REST).format(
             nodes=cell.nodes, shear=cell.shear, dilatation=cell.dilatation, bending=cell.bending,
             timestep=timestep if is_free else end / steps, accuracy=self.accuracy, stepper=stepper,
             more=more, steps=steps, every_dump=every, every_thermo=max(1, every // 50),
+            id="again" if cell.restart else "flow", restart=cell.restart,
             halt=HALT.format(end=end) if is_free else "")
-        return self.run_script(script, end)
+
+    def prepare_restart(self, cell, timestep):
+        """Name of the file with the state at the time 1."""
+        name = f"restart_{cell.name()}"
+        if not (self.folder / name).exists():
+            script = self.make_script(cell, "rkc2", timestep, 1.0)
+            self.run_script(script + f"write_restart {name}\n", 1.0)
+        return name
 
     def run_script(self, script, end):
         (self.folder / "in.time").write_text(script)
@@ -153,3 +172,30 @@ def distances(one, other):
     """(rms, largest) distance of the nodes."""
     squares = np.sum((one - other) ** 2, axis=1)
     return float(np.sqrt(np.mean(squares))), float(np.sqrt(np.max(squares)))
+
+
+class Table:
+    """A CSV file that grows by a row at a time."""
+
+    def __init__(self, path, keys):
+        self.path, self.keys, self.rows = Path(path), keys, []
+        if self.path.exists():
+            with self.path.open(newline="") as file:
+                self.rows = list(csv.DictReader(file))
+
+    def find(self, row):
+        """The row that was measured before, or None."""
+        wanted = [str(row[key]) for key in self.keys]
+        return next((r for r in self.rows if [r[key] for key in self.keys] == wanted), None)
+
+    def add(self, row):
+        row = {key: str(value) for key, value in row.items()}
+        is_new = not self.rows
+        self.rows.append(row)
+        with self.path.open("a", newline="") as file:
+            writer = csv.DictWriter(file, row.keys())
+            if is_new:
+                writer.writeheader()
+            writer.writerow(row)
+        print(", ".join(f"{key} {value}" for key, value in row.items() if value), flush=True)
+        return row

@@ -133,8 +133,9 @@ def draw(csv_path, picture):
     panels = (("volume error", ("volume_error",)), ("area change", ("area_change",)),
               ("smallest angle [deg]", ("smallest_angle",)),
               ("energy rates", ("input", "power")), ("balance defect / work", ("defect",)))
-    figure, axes = plt.subplots(1, len(panels), figsize=(4 * len(panels), 3.4),
-                                constrained_layout=True)
+    figure, axes = plt.subplots(2, 3, figsize=(12, 6.4), constrained_layout=True)
+    axes = axes.ravel()
+    axes[-1].set_axis_off()
     for axis, (title, names) in zip(axes, panels):
         for name in names:
             axis.plot(data["time"], data[name], label=name)
