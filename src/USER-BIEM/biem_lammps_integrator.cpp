@@ -21,6 +21,9 @@ constexpr double kRadiusMargin = 1.15;
 constexpr double kBetweenEstimates = 40.0, kBetweenChecks = 200.0;
 // So much larger than that of the step before, the error of a step asks for a new estimate.
 constexpr double kErrorGrowth = 1.5;
+// The first step of all begins with a part this long, and each part is twice the one before:
+// tensions that a flow suddenly causes grow faster than the stages of a long step follow.
+constexpr double kStartSpan = 1.0 / 31.0;
 // Surfaces come closer by at most this part of their gap in a step.
 constexpr double kClosingShare = 0.5;
 // A step is split into at most so many parts; an adaptive step shrinks to this part of the largest.
@@ -154,21 +157,26 @@ void LammpsIntegrator::step_fixed()
   if (is_radius_due()) stiffness.renew(time_);
   box_.begin_step(dt);
   record_.n_stages = 0.0;
-  for (double fraction = 0.0; fraction < 1.0;) {
-    const double parts = std::ceil((1.0 - fraction) * dt / find_closing_limit());
+  const bool is_start = last_error_ == 0.0;
+  double start_span = kStartSpan;
+  for (double fraction = 0.0;;) {
+    const double rest = 1.0 - fraction;
+    const double parts = std::ceil(rest * dt / find_closing_limit());
     if (!(parts <= kMostParts))
       throw StepFailure{fmt::format("surfaces would jump through each other within a step: the "
                                     "timestep {:.6g} is far larger than the time in which the gap "
                                     "between two of them closes; use a smaller timestep",
                                     dt)};
-    const double span = (1.0 - fraction) / std::max(1.0, parts);
-    const bool is_last = parts <= 1.0;
-    take_stages(fraction, span);
-    fraction = is_last ? 1.0 : fraction + span;
+    double span = rest / std::max(1.0, parts);
+    if (is_start) span = std::min(span, start_span);
+    start_span *= 2.0;
+    const bool is_last = span > (1.0 - 1e-9) * rest;
+    take_stages(fraction, is_last ? rest : span);
     correct_held_cells();
     if (is_last) break;
+    fraction += span;
     evaluate_stage(time_ + fraction * dt, Part::All);
-    record_.n_split += 1.0;
+    record_.n_split += is_start ? 0.0 : 1.0;
   }
   solver_.set_timestep(dt);
   check_positions();
@@ -255,6 +263,7 @@ void LammpsIntegrator::take_stages(double fraction, double span)
     if (j < n) evaluate_stage(time_ + now * dt, flow.can_extrapolate() ? Part::Fast : Part::All);
   }
   record_.n_stages += n;
+  record_.last_part_stages = n;
   last_part_ = h;
 }
 

@@ -15,10 +15,11 @@ namespace LAMMPS_NS {
 // What the steps since the start of a run have cost and done.
 struct StepRecord {
   double n_steps = 0.0;
-  double n_repeated = 0.0;    // steps taken again with a smaller dt
-  double n_split = 0.0;       // steps taken in parts because surfaces approach each other
-  double n_stages = 0.0;      // of the last step, all parts together
-  double error = 0.0;         // estimate of the last step, length
+  double n_repeated = 0.0;          // steps taken again with a smaller dt
+  double n_split = 0.0;             // steps taken in parts because surfaces approach each other
+  double n_stages = 0.0;            // of the last step, all parts together
+  double last_part_stages = 0.0;    // of the last part of it
+  double error = 0.0;               // estimate of the last step, length
   double fewest_stages = 0.0, most_stages = 0.0, shortest_dt = 0.0, longest_dt = 0.0;
 
   void add_step(double dt);

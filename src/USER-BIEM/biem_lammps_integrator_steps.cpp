@@ -18,8 +18,8 @@ void StepRecord::add_step(double dt)
 {
   const bool is_first = n_steps == 0.0;
   n_steps += 1.0;
-  most_stages = std::max(most_stages, n_stages);
-  fewest_stages = is_first ? n_stages : std::min(fewest_stages, n_stages);
+  most_stages = std::max(most_stages, last_part_stages);
+  fewest_stages = is_first ? last_part_stages : std::min(fewest_stages, last_part_stages);
   longest_dt = std::max(longest_dt, dt);
   shortest_dt = is_first ? dt : std::min(shortest_dt, dt);
 }

@@ -222,10 +222,12 @@ void LammpsSolver::set_cutoffs()
   const double needed = std::max(list_cutoff_, cutoff + edge) + neighbor->skin;
   const bool is_own = comm->cutghostuser == own_comm_cutoff_;
   if (comm->cutghostuser > 0.0 && !is_own && comm->cutghostuser < needed)
-    error->all(FLERR, fmt::format("Fix biem: communication cutoff {:.8g} is too small, {:.8g} is "
-                                  "needed (real-space cutoff, edges and skin); remove 'comm_modify "
-                                  "cutoff' so that fix biem sets it, or give at least this value",
-                                  comm->cutghostuser, needed));
+    error->all(FLERR,
+               fmt::format("Fix biem: communication cutoff {:.10g} is too small, {:.10g} is needed "
+                           "(real-space cutoff, edges and skin); remove 'comm_modify cutoff' so "
+                           "that fix biem sets it, or give at least this value. If a restart file "
+                           "has brought it from a fix biem of another ID: 'comm_modify cutoff 0.0'",
+                           comm->cutghostuser, needed));
   if (comm->cutghostuser >= needed && !is_own) return;
   if (!is_own) user_comm_cutoff_ = comm->cutghostuser;
   comm->cutghostuser = own_comm_cutoff_ = needed;

@@ -3,6 +3,7 @@
 #include "biem_contact_law.h"
 #include "biem_contact_slots.h"
 #include "biem_error.h"
+#include "biem_mesh_crossings.h"
 #include "biem_mesh_icosphere.h"
 #include "biem_mesh_nearest_point.h"
 
@@ -103,15 +104,15 @@ Contact find_on(const Vec3 &p, const Points &nodes, const Triangle &t)
   return contact;
 }
 
-// Sum of the solid angles of the triangles (van Oosterom & Strackee 1983): 4 pi inside.
+// The solid angles of the triangles add up to 4 pi inside.
 bool is_inside(const Vec3 &p, const Points &nodes, const std::vector<Triangle> &triangles)
 {
   double sum = 0.0;
   for (const Triangle &t : triangles) {
-    const Vec3 a = nodes.col(t[0]) - p, b = nodes.col(t[1]) - p, c = nodes.col(t[2]) - p;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    sum += 2.0 * std::atan2(a.dot(b.cross(c)),
-                            la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    SurfaceTriangle corners{};
+    for (int k = 0; k < 3; k++)
+      Eigen::Map<Vec3>(corners.corners + 3 * k) = nodes.col(t[k]);
+    sum += compute_solid_angle(corners, p);
   }
   return sum > 2.0 * EIGEN_PI;
 }
