@@ -17,4 +17,4 @@ set -a; . cmake/mpi_environment; set +a
 cmake -S . -B build -DBIEM_BUILD_TESTS=ON
 cmake --build build --parallel 2
 cd build
-exec ctest --output-on-failure $selection
+exec ctest --parallel 2 --output-on-failure $selection
