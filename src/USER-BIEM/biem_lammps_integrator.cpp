@@ -108,16 +108,6 @@ bool LammpsIntegrator::step()
   return wants_new_lists_;
 }
 
-void LammpsIntegrator::check_displacement(double largest) const
-{
-  double all;
-  MPI_Allreduce(&largest, &all, 1, MPI_DOUBLE, MPI_MAX, world);
-  if (all > solver_.longest_edge())
-    throw StepFailure{fmt::format("a node would move by {:.3g} relative to the flow, more than the "
-                                  "longest edge {:.3g}: the timestep is far too large",
-                                  all, solver_.longest_edge())};
-}
-
 // Euler and Adams-Bashforth: the velocities of the last step are all there is.
 void LammpsIntegrator::step_once()
 {
@@ -364,16 +354,6 @@ void LammpsIntegrator::check_crossings()
 double LammpsIntegrator::find_closing_limit()
 {
   return kClosingShare * solver_.find_closing_time(array_, kVelocity, flow_);
-}
-
-// LAMMPS' clock with steps of different lengths: the present step ends dt after the last one.
-void LammpsIntegrator::adopt_dt(double dt)
-{
-  if (dt == update->dt) return;
-  const bigint last = update->ntimestep - 1;
-  update->atime += static_cast<double>(last - update->atimestep) * update->dt;
-  update->atimestep = last;
-  update->dt = adopted_dt_ = dt;
 }
 
 void LammpsIntegrator::finish_step(double dt)

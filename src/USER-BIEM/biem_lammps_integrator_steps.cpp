@@ -54,6 +54,26 @@ double LammpsIntegrator::estimate_error(double h)
   return all;
 }
 
+// LAMMPS' clock with steps of different lengths: the present step ends dt after the last one.
+void LammpsIntegrator::adopt_dt(double dt)
+{
+  if (dt == update->dt) return;
+  const bigint last = update->ntimestep - 1;
+  update->atime += static_cast<double>(last - update->atimestep) * update->dt;
+  update->atimestep = last;
+  update->dt = adopted_dt_ = dt;
+}
+
+void LammpsIntegrator::check_displacement(double largest) const
+{
+  double all;
+  MPI_Allreduce(&largest, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+  if (all > solver_.longest_edge())
+    throw StepFailure{fmt::format("a node would move by {:.3g} relative to the flow, more than the "
+                                  "longest edge {:.3g}: the timestep is far too large",
+                                  all, solver_.longest_edge())};
+}
+
 void LammpsIntegrator::save_start()
 {
   for (int i = 0; i < atom->nlocal; i++) {
